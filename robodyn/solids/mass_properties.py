@@ -333,8 +333,8 @@ def _shape(
 ) -> tuple[Symmetry | None, Tessellation | None, tuple[str, ...]]:
     """Return symmetry, in metres, and tessellation error of a mesh, None where they are not sought; notes say why.
 
-    even: whether to seek symmetry, smooth: whether to ask facets, None where triangles are few; defined: whether the
-    integrals are those of what the mesh encloses.
+    even, smooth: whether to seek symmetry, to ask facets, None where triangles are few; defined: whether the integrals
+    are those of what the mesh encloses.
     """
     if not defined:
         return None, None, () if (even, smooth) == (False, False) else (_UNDEFINED,)

@@ -19,15 +19,12 @@ DOUBLE_BITS = 1024
 
 
 class Multiprecision:
-    """A program made ready to run in mpmath's arithmetic.
+    """A program made ready to run in mpmath's arithmetic; its `context` is its own, and `mpmath.mp` is left alone.
 
     What it does where a real number has no answer is what IEEE 754 does, and nothing raises: x / 0 is inf with the sign
     of x (a zero has no sign here), 0 / 0 and the square root of a negative number are nan, and nan and inf in the
     inputs go on as they do through doubles. A sum, product or quotient never overflows or underflows. The sine and
     cosine of a number of 2^1024 or more are nan and its exponential is inf or 0, as of a double that has overflowed.
-
-    Attributes:
-        context: the mpmath context of every result, this object's own, so that `mpmath.mp` is neither read nor changed.
     """
 
     def __init__(self, program: Program, *, digits: int = 50) -> None:

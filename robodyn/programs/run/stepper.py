@@ -198,12 +198,8 @@ class CompiledSteps:
     def __init__(
         self, source: str, width: int, step: Program, sweep: Program | None, lanes: int, columns: int = 0
     ) -> None:
-        """
-        Args:
-            source: the name of the source of both programs that has `width` columns.
-            step: a program of `width` outputs.
-            sweep: None, or a program with a further output, its change.
-            columns: of COLUMNS, the other source, which the programs find anew at each step.
+        """`source`: of both programs, with `width` columns; `step`: of as many outputs; `sweep`: with one more, its
+        change; `columns`: of COLUMNS, the other source, which the programs find anew at each step.
 
         Raises:
             ImportError, OSError, RuntimeError: llvmlite is not there, or does not compile them.
@@ -218,12 +214,9 @@ class CompiledSteps:
         self._step, self._sweep, self._run = made(step), None if sweep is None else made(sweep), _rollout(lanes)
 
     def __call__(self, slots: Floats, every: int, columns: Floats | None = None) -> Done:
-        """Fill the slots from the first on.
+        """Fill the slots (records + 1, width, rollouts) from the first on, `every` steps from one record to the next.
 
-        Args:
-            slots: (records + 1, width, rollouts), contiguous; a multiple of `lanes` rollouts.
-            every: steps from one record to the next.
-            columns: (steps, columns) that all rollouts are given; None where there are none.
+        They are contiguous, of a multiple of `lanes` rollouts; columns (steps, columns) are given to all of these.
         """
         records, width, samples = len(slots) - 1, *slots.shape[1:]
         spare = np.empty((4, width + 1, samples))

@@ -35,13 +35,9 @@ EQUAL = 1e-9
 class Principal:
     """Principal moments of inertia about one point, in ascending order.
 
-    Attributes:
-        moments: (3,) kg m^2.
-        axes: (3, 3) the unit axes as rows, right-handed: I = axes^T diag(moments) axes.
-        second: (3,) second moments along the axes [kg m^2]; moments[i] is the sum of the two others of these.
-        groups: numbers of the axes whose moments are equal; the rows of a group span an invariant subspace, any
-            orthonormal basis of which is as good as the one given.
-        tolerance: what "equal" means, relative to the largest moment.
+    moments: (3,) kg m^2; axes: (3, 3) the unit axes as rows, right-handed: I = axes^T diag(moments) axes; second: (3,)
+    second moments along the axes [kg m^2]; groups: numbers of the axes whose moments are equal, within this tolerance
+    of the largest: any orthonormal basis of what they span is as good as the one given.
     """
 
     moments: Floats

@@ -97,11 +97,9 @@ PRINTED = 1e-6
 class Validity:
     """What a physical body needs, in numbers.
 
-    Attributes:
-        moments: (3,) principal moments about the centre of mass, ascending [kg m^2].
-        slack: (I_1 + I_2 - I_3) / max |I_i|, twice the smallest second moment: 1 for a ball, 0 for a plate and a
-            needle, negative where the triangle inequality is broken; 0 where there is no inertia.
-        faults: why no body can have these properties; empty if one can.
+    moments: (3,) principal moments about the centre of mass, ascending [kg m^2]; slack: (I_1 + I_2 - I_3) / max |I_i|,
+    1 for a ball, 0 for a plate and a needle, negative where the triangle inequality is broken; 0 where there is no
+    inertia; faults: why no body can have these properties.
     """
 
     mass: float

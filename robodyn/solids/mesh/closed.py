@@ -18,13 +18,10 @@ _WORD = 1 << 64
 
 @dataclass(frozen=True)
 class Fingerprint:
-    """What is left of the directed edges of a surface when opposite ones cancel.
+    """What is left of the directed edges of a surface when opposite ones cancel; zero by chance once in 2^63.
 
-    Attributes:
-        chain: zero where every edge is passed as often one way as the other: the boundary of the surface vanishes.
-        parity: zero where every edge belongs to an even number of triangles, whatever their winding.
-
-    Accuracy: a number that ought not to be zero is so with a probability of about 2^-63.
+    chain: zero where every edge is passed as often one way as the other: the boundary of the surface vanishes; parity:
+    zero where every edge belongs to an even number of triangles, whatever their winding.
     """
 
     chain: int
@@ -57,16 +54,12 @@ def fingerprint(triangles: Triangles) -> Fingerprint:
 class EdgeSums:
     """The fingerprint of the blocks added so far.
 
-    Attributes:
-        sides: (3, n) |H| of each side of each triangle of the latest block: 63 bits, the same both ways along an edge,
-            zero from a corner to itself.
+    sides: (3, n) |H| of each side of each triangle of the latest block: 63 bits, the same both ways along an edge, zero
+    from a corner to itself.
     """
 
     def __init__(self, space: Array) -> None:
-        """
-        Args:
-            space: of `block_space`, float64, where the corners of each block will be, in units of the file.
-        """
+        """`space`: of `block_space`, float64, where the corners of each block will be, in units of the file."""
         X = space[:3]
         pool = workspace(10, space.shape[-1], np.uint64)
         hashes, total, term = pool[:4], pool[4:7], pool[7:]

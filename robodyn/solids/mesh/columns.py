@@ -46,10 +46,8 @@ class Hits(NamedTuple):
 class Lattice:
     """Parallel columns: rows of them at equal distances, each row shifted by the golden ratio against the last.
 
-    Attributes:
-        frame: (3, 3) orthonormal rows: along a row, across the rows, along the columns.
-        corner: (2,) of the rectangle that is covered, in the first two axes of the frame.
-        step: between rows, and between columns. rows, across: their number, and that of the columns of each.
+    frame: (3, 3) orthonormal rows: along a row, across the rows, along the columns; corner: (2,) of the rectangle that
+    is covered, in the first two axes of the frame; step: between rows, and between columns; across: columns of a row.
     """
 
     frame: Floats

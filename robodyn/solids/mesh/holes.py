@@ -33,14 +33,11 @@ _SEAM = 1e-6
 
 @dataclass(frozen=True)
 class Filling:
-    """What became of the gaps.
+    """Shells with holes, and seams of no area, filled by so many triangles.
 
-    Attributes:
-        shells: with the filled ones closed; holes, seams: that were filled; a seam has no area to speak of.
-        triangles: that fill them; doubt: volume by which what was missing may differ from them.
-        left: gaps too large to be filled; missing: their share of the surface of these shells with gaps filled.
-        capped: the shells with `caps` faces as their last, which close the rest: across a hole of a body, and of
-            patches a cone from one vertex over all their rims, whose two sides nearly coincide where the rims do.
+    doubt: volume by which what was missing may differ from these; left: gaps too large to be filled; missing: their
+    share of the surface of these shells with gaps filled; capped: the shells with `caps` faces as their last, which
+    close the rest: across a hole of a body, and of patches a cone from one vertex over all their rims.
     """
 
     shells: Shells

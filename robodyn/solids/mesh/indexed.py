@@ -127,9 +127,8 @@ def in_parts(corners: Floats, label: Numbers) -> tuple[list[Floats], Floats, Flo
 class Edges:
     """Which sides of triangles lie on the same edge; side k goes from corner k to the next.
 
-    Attributes:
-        ends: (e, 2) vertices, the lower number first. count: (e,) sides on each edge.
-        of: (m, 3) the edge of each side. way: (m, 3) 1 where it goes from the lower number to the higher, otherwise -1.
+    ends: (e, 2) vertices, the lower number first; of: (m, 3) the edge of each side; way: (m, 3) 1 where it goes from
+    the lower number to the higher, otherwise -1; count: (e,) sides on each edge.
     """
 
     ends: Numbers

@@ -175,17 +175,10 @@ def swept(
     return Sweep(np.array(sums), reference, *ends, float(min(least)), found)
 
 
-class SurfaceIntegrals(NamedTuple):
-    """Integrals over a surface of 1, x - r and (x - r)(x - r)^T about a reference r inside its box, in its units."""
+def surface(triangles: Triangles) -> tuple[float, Floats, Floats, Floats]:
+    """Area, integrals over a surface of x - r and (x - r)(x - r)^T, and r, inside its box, whatever the winding.
 
-    area: float
-    first: Floats
-    S: Floats
-    reference: Floats
-
-
-def surface(triangles: Triangles) -> SurfaceIntegrals:
-    """Integrals over a surface, by sums over triangles (see `robodyn.solids.mesh.kernel`), whatever their winding.
+    By sums over triangles, in the units of the file (see `robodyn.solids.mesh.kernel`).
 
     Raises:
         MeshError: there are no triangles, or moments are beyond the range of a float.
@@ -197,7 +190,7 @@ def surface(triangles: Triangles) -> SurfaceIntegrals:
     if not sweep.safe:
         raise sweep.beyond(triangles, "large" if sweep.reach.max() > 1 else "small")
     sums = sweep.totals().astype(np.float64)
-    return SurfaceIntegrals(float(sums[0] / 2), sums[1:4] / 6, symmetric(sums[4:10] / 24), sweep.reference)
+    return float(sums[0] / 2), sums[1:4] / 6, symmetric(sums[4:10] / 24), sweep.reference
 
 
 ROUNDING = float_info.epsilon / 2
@@ -208,13 +201,10 @@ ROUNDING = float_info.epsilon / 2
 class Integrals(VolumeIntegrals):
     """Integrals over the volume inside a surface, in units of the file; negative where it is wound inwards.
 
-    Attributes:
-        area: of the surface. lo, hi: (3,) corners of its box. count: triangles.
-        bound: of the arithmetic error of the volume, relative to it; infinite where it is all there is.
-        method: "float64", "long double" or "rational".
-        least: area of the smallest triangle.
-        bound_second: as `bound`, of each principal second moment about the centre.
-        unrounded: volume, first and S as fractions, before they were rounded to floats.
+    area: of the surface; lo, hi: (3,) corners of its box; count: triangles; bound: of the arithmetic error of the
+    volume, relative to it, infinite where it is all there is; method: "float64", "long double" or "rational"; least:
+    area of the smallest triangle; bound_second: as `bound`, of each principal second moment about the centre;
+    unrounded: volume, first and S as fractions.
     """
 
     area: float

@@ -29,16 +29,11 @@ _LARGEST = 16
 
 @dataclass(frozen=True, eq=False)
 class Nesting:
-    """Shells with their winding made right.
+    """Shells with bodies wound outwards and cavities inwards, and how many were turned so; the rest: see `_States`.
 
-    Attributes:
-        shells: bodies wound outwards, cavities inwards.
-        uneven: whether faces of one shell were given more often than others, where there are cavities.
-        copies, inward, within: of `_States`.
-        cuts: the cavities that are cut out of each body, by its shell, where cavities do not cross each other.
-        proper: (k,) which are closed, not flat, and in no open ones.
-        bodies: how many were turned outwards. cavities: how many inwards.
-        less: by how much the volume is smaller where those within are cavities.
+    uneven: whether faces of one shell were given more often than others, where there are cavities; cuts: the cavities
+    that are cut out of each body, by its shell, where these do not cross; proper: (k,) which are closed, not flat, and
+    in no open ones; less: by how much the volume is smaller where those within are cavities.
     """
 
     shells: Shells
@@ -105,23 +100,17 @@ def nested(
 
 
 class _States:
-    """What shells are, decided from the outermost ones inwards.
+    """What shells are, decided from the outermost ones inwards; copies, cuts: see `Nesting`.
 
-    Attributes:
-        copies, cuts: see `Nesting`.
-        turned, inward, within, patched: (k,) whether each has to be turned, is wound inwards then, bounds nothing, and
-            lies in what open shells enclose.
+    turned, inward, within, patched: (k,) whether each has to be turned, is wound inwards then, bounds nothing, and lies
+    in what open shells enclose.
     """
 
     def __init__(
         self, around: list[list[int]], order: list[int], ways: Numbers, copies: Numbers, patches: int, cavities: bool
     ) -> None:
-        """
-        Args:
-            around: (k) shells around each, the smallest first, and `IN_PATCHES`. order: of closed ones, from outside.
-            ways: (k,) 1 for a positive volume, otherwise -1. patches: the same of open shells together.
-            copies: (k,) how often each was given.
-        """
+        """`around`: shells around each, the smallest first, and `IN_PATCHES`; `order`: of closed ones, from outside;
+        `ways`: (k,) 1 for a positive volume, otherwise -1; `patches`: the same of open shells; `copies`: (k,)."""
         self.turned, self.inward, self.within, self.patched = np.zeros((4, len(ways)), np.bool_)
         self.cuts: dict[int, list[int]] = {}
         self.copies = np.ones_like(copies) if cavities else copies.copy()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cache
-from itertools import repeat
+from itertools import combinations, repeat
 from typing import Any
 
 import numpy as np
@@ -31,12 +31,10 @@ _BY_REGION = ("overlaps", "winding numbers")
 
 @dataclass(frozen=True)
 class Step:
-    """One kind of repair.
+    """One kind of repair, by name ("degenerate", "duplicate", "winding", "holes", "orientation", "nested", "union", or
+    one of `_BY_REGION`) and in words, and of how many faces, gaps, shells or bodies.
 
-    Attributes:
-        name: "degenerate", "duplicate", "winding", "holes", "orientation", "nested", "union", or one of `_BY_REGION`.
-        count: of the faces, gaps, shells or bodies it was done to. what: in words.
-        volume_before, volume_after: signed, in units of the file cubed; of an open surface about the middle of its box.
+    volume_before, volume_after: signed, in units of the file cubed; of an open surface about the middle of its box.
     """
 
     name: str
@@ -53,14 +51,10 @@ class Step:
 
 @dataclass(frozen=True, eq=False)
 class Repaired:
-    """A surface after its repair.
+    """A surface after its repair; the same object if nothing was done.
 
-    Attributes:
-        triangles: the same object if nothing was done.
-        closed: whether no boundary is left.
-        doubt: volume that may be missing or too much where holes were filled.
-        quadrature: integrals over what the surface encloses, where they are not those of its triangles.
-        remarks: what was found and left as it is.
+    closed: whether no boundary is left; doubt: volume that may be missing or too much where holes were filled;
+    quadrature: integrals over what it encloses, where they are not those of its triangles; remarks: what was left.
     """
 
     triangles: Triangles
@@ -204,14 +198,11 @@ _TURNS = (IDENTITY, *(rotation_from_rpy(*angles) for angles in ((0.7, -0.4, 1.9)
 
 @dataclass(frozen=True, eq=False)
 class United:
-    """What became of shells that cross.
+    """What became of shells that cross: the mesh with their union, of so many bodies, in their place.
 
-    Attributes:
-        mesh: with the union in their place, and without those that bound nothing.
-        bodies: that were united, 0 if no shells cross.
-        spare: (k,) shells left out because they lie in a body, are wound as it is, and cross nothing.
-        untested: bodies whose boxes overlap that of another, where one is no manifold or has caps: they may overlap.
-        folded: shells with edges of more than two faces: they may overlap themselves.
+    spare: (k,) shells left out, which lie in a body, are wound as it is, and cross nothing; untested: bodies whose
+    boxes overlap that of another, where one is no manifold or has caps; folded: shells with edges of more than two
+    faces, which may overlap themselves.
     """
 
     mesh: Indexed
@@ -301,7 +292,8 @@ def _united(
     from manifold3d import Manifold, OpType
 
     inner = [name for name in shells if name not in cavities]
-    cross = _any_cross([triangle_boxes(shells[name].corners) for name in inner])
+    boxes = [triangle_boxes(shells[name].corners) for name in inner]
+    cross = any(may_cross(one, other) for one, other in combinations(boxes, 2))
     solids = {name: solid(shell) for name, shell in shells.items()}
     if None in solids.values():
         return None
@@ -321,16 +313,6 @@ def _united(
                 return other
         found.append(region)
     return None
-
-
-def _any_cross(boxes: list[Floats]) -> bool:
-    """Return whether two shells, given by the boxes (2, n, 3) of their triangles, may cross."""
-    lo, hi = np.array([each[0].min(axis=0) for each in boxes]), np.array([each[1].max(axis=0) for each in boxes])
-    for k, each in enumerate(boxes[1:], start=1):
-        near = np.flatnonzero(((lo[:k] < hi[k]) & (lo[k] < hi[:k])).all(axis=1))
-        if any(may_cross(boxes[n], each) for n in near.tolist()):
-            return True
-    return False
 
 
 def _more_bodies_than_cavities(bodies: list[tuple[Any, int]], cavities: list[tuple[Any, int]]) -> Any:

@@ -180,11 +180,9 @@ def welded(mesh: Indexed, rim: Numbers) -> Indexed:
 class Shells:
     """A mesh in parts that are connected over edges.
 
-    Attributes:
-        label: (m,) the shell of each face; closed: (k,) whether the boundary of each shell vanishes.
-        rim: (b, 3) the shell, the start and the end of each edge that is missing to close it, in order.
-        lone: (v,) vertices of edges with one face, when shells were wound.
-        twisted: faces of patches that have one side only, like a Moebius strip, and so no winding.
+    label: (m,) the shell of each face; closed: (k,) whether the boundary of each vanishes; rim: (b, 3) shell, start and
+    end of each edge that is missing to close it, in order; lone: (v,) vertices of edges with one face, when shells were
+    wound; twisted: faces of patches that have one side only, like a Moebius strip.
     """
 
     mesh: Indexed

@@ -38,13 +38,11 @@ _EDGES = 1 << 14
 class BentEdges:
     """Edges of two triangles, from start to end (3, k), that meet at an angle below 120 degrees which is not zero.
 
-    Attributes:
-        angle: (k,) between the normals [rad], positive where the surface is convex.
-        heights: (2, k) of the two triangles over the edge.
-        feet: (2, k) where the corners opposite to the edge stand over it, from 0 at its start to 1 at its end.
-        outward: (2, 3, k) unit vectors across the edge in the plane of either triangle, out of it.
-        triangles: (2, k) their numbers. flat: (m,) whether a triangle lies in one plane with another one.
-        facet: (m,) number of the connected triangles in one plane that each belongs to. areas: (m,) of these.
+    angle: (k,) between the normals [rad], positive where the surface is convex; heights: (2, k) of the triangles over
+    the edge; feet: (2, k) where the corners opposite to it stand over it, from 0 at its start to 1 at its end; outward:
+    (2, 3, k) unit vectors across the edge in the plane of either triangle, out of it; triangles: (2, k) their numbers;
+    flat: (m,) whether a triangle lies in one plane with another one; facet: (m,) number of the connected triangles in
+    one plane that each belongs to; areas: (m,) of these.
     """
 
     start: Floats
@@ -94,8 +92,7 @@ def _bent(
 ) -> dict[str, Array]:
     """Return the columns of `BentEdges` of some edges; coplanar gets the pairs (2, n) of triangles in one plane.
 
-    Args:
-        points: (3 m, 3) by corner, then triangle. normals: (m, 3), as long as twice the areas.
+    Points (3 m, 3) by corner, then triangle; normals (m, 3) as long as twice the areas.
     """
     count = len(normals)
     triangles = np.stack([one, other]) % count
@@ -183,9 +180,8 @@ _CLEARLY = 0.05
 class LineMasses:
     """What lies between facets and surface, spread evenly along each edge, from start (3, k) to end (3, k).
 
-    Attributes:
-        missing: (k,) volume, negative where facets take in too much. doubt: (k,) how far it may be from that.
-        fine: (k,) whether the angle is below 40 degrees, and below three times the median one.
+    missing: (k,) volume, negative where facets take in too much; doubt: (k,) how far it may be from that; fine: (k,)
+    whether the angle is below 40 degrees, and below three times the median one.
     """
 
     start: Floats
@@ -315,12 +311,9 @@ EXACT = Bars(0.0, 0.0, 0.0)
 
 @dataclass(frozen=True, eq=False)
 class Tessellation:
-    """Integrals over the smooth body that a mesh may stand for.
+    """Integrals over the smooth body that a mesh may stand for, if its corners are on the smooth surface.
 
-    Attributes:
-        corrected: those of the mesh with what its facets leave out if its corners are on the smooth surface.
-        mesh: bars of the mesh's own integrals, wherever its corners are.
-        rest: of the corrected ones, wherever the corners are. on_surface: if they are on the surface.
+    mesh: bars of the mesh's own integrals; rest: of the corrected ones, wherever the corners are; on_surface: if there.
     """
 
     corrected: Integrals

@@ -84,22 +84,6 @@ class MemoryTriangles(Triangles):
             yield self.corners[start : start + rows]
 
 
-@dataclass(frozen=True, eq=False)
-class IndexedTriangles(Triangles):
-    """Triangles of vertices (v, 3) and faces (m, 3) of indices, every used vertex finite."""
-
-    vertices: Corners
-    faces: Indices
-
-    @property
-    def count(self) -> int:
-        return len(self.faces)
-
-    def blocks(self, rows: int = BLOCK) -> Iterator[Corners]:
-        for start in range(0, self.count, rows):
-            yield self.vertices[self.faces[start : start + rows]]
-
-
 def checked(blocks: Iterable[Corners], name: str) -> Iterator[Corners]:
     first = 0
     for block in blocks:
@@ -169,7 +153,7 @@ def polygon_triangles(
     significand: int,
     scale: float,
     notes: tuple[str, ...],
-) -> IndexedTriangles:
+) -> MemoryTriangles:
     """Return the triangles of polygons, those of more than three corners fanned from their first one.
 
     A fan has the boundary of its polygon and, where that is plane, the same integrals, even if it is not convex.
@@ -210,7 +194,7 @@ def polygon_triangles(
         second = first + 1 + np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
         faces = np.stack([corners[first], corners[second], corners[second + 1]], axis=1)
         notes = (*notes, f"{larger} of {len(sizes)} faces have more than three corners: cut into triangles")
-    return IndexedTriangles(name, vertices, faces, significand=significand, scale=scale, notes=notes)
+    return MemoryTriangles(name, vertices[faces], significand=significand, scale=scale, notes=notes)
 
 
 CHUNK = 256

@@ -17,15 +17,9 @@ BYTES = {"double": 8, "float": 4}
 
 @dataclass
 class Code:
-    """The body of a function that works on `lanes` samples at a time.
+    """The body of a function that works on `lanes` samples at a time, a power of two, in "double" or "float".
 
     Operands are the text that names them in IR: a register or a constant.
-
-    Attributes:
-        scalar: "double" or "float".
-        lanes: numbers in a vector; a power of two.
-        lines: the instructions written so far.
-        declared: declarations of the intrinsics that they call.
     """
 
     scalar: str

@@ -92,9 +92,8 @@ def kernel(program: Program, first_row: Mapping[str, int], scalar: str, lanes: i
 
     Args:
         first_row: where in `rows` the columns of each source begin, and under "" those of the outputs.
-        scalar: "double" or "float".
         lanes: samples in a group: 8 or 16.
-        calls: call for the memory that will be wanted next, a line of the cache for every vector that is moved.
+        calls: for the memory that will be wanted next, a line of the cache for every vector that is moved.
     """
     writer = Writer(program, first_row, Code(scalar, lanes), fused_products(program), calls)
     writer.write()

@@ -19,13 +19,8 @@ LEVELS = {"x86-64-v2": _V2, "x86-64-v3": _V3, "x86-64-v4": _V4}
 
 
 class Host(NamedTuple):
-    """What machine code depends on.
-
-    Attributes:
-        cpu: its name to LLVM.
-        features: "+avx2,-avx512f,..." as LLVM writes them.
-        llvmlite, llvm: the versions of the compiler and of its binding.
-    """
+    """What machine code depends on: the processor and its features ("+avx2,-avx512f,...") as LLVM names them, and the
+    versions of the compiler and of its binding."""
 
     triple: str
     cpu: str

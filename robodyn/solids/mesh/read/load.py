@@ -42,9 +42,9 @@ def load_triangles(
     cut into triangles; nothing is merged, repaired or moved.
 
     Args:
-        source: name of a file; `-` is standard input; or the bytes themselves.
+        source: name of a file, `-` for standard input, or the bytes themselves.
         file_type: one of KINDS; by the suffix, or by how the file begins, if None.
-        unit: "m", "mm", "cm" or "in"; what the file says if None, metres if it says nothing.
+        unit: a key of METRES; what the file says if None, metres if it says nothing.
         typed: the user gave this very name, which may be that of a pipe then; see `open_input`.
     """
     found = open_source(source, typed)

@@ -14,7 +14,7 @@ import numpy as np
 from robodyn.errors import MeshError
 from robodyn.solids.mesh.read.source import Source
 from robodyn.solids.mesh.read.text import TRUNCATED, indices, lines, numbers
-from robodyn.solids.mesh.triangles import Corners, IndexedTriangles, polygon_triangles
+from robodyn.solids.mesh.triangles import Corners, MemoryTriangles, polygon_triangles
 
 Encoding = Literal["ascii", "<", ">"]
 
@@ -112,7 +112,7 @@ _INDICES = ("vertex_indices", "vertex_index")
 _WANTED = ("vertex", "face")
 
 
-def read_ply(source: Source, scale: float, notes: tuple[str, ...]) -> IndexedTriangles:
+def read_ply(source: Source, scale: float, notes: tuple[str, ...]) -> MemoryTriangles:
     """Return the faces of a PLY, with coordinates of the type that the header names."""
     header = read_header(source)
     chosen = []

@@ -22,7 +22,7 @@ import numpy as np
 from robodyn.errors import InputError, MeshError
 from robodyn.programs.vectors import product
 from robodyn.solids.mesh.read.source import Source, reading, scale_of
-from robodyn.solids.mesh.triangles import Corners, IndexedTriangles, Indices, polygon_triangles
+from robodyn.solids.mesh.triangles import Corners, Indices, MemoryTriangles, polygon_triangles
 from robodyn.support.floats import Floats
 from robodyn.support.input_file import beyond, limits, read_input
 from robodyn.support.libraries import library_messages, treated_warnings
@@ -212,7 +212,7 @@ _FLOAT32 = ("dae", "glb", "gltf")
 _Part = tuple[Corners, Indices]
 
 
-def read_scene(source: Source, kind: str, unit: str | None) -> IndexedTriangles:
+def read_scene(source: Source, kind: str, unit: str | None) -> MemoryTriangles:
     """Return all triangles of a scene of one of `load.SCENES`, in its own axes; unit: see `scale_of`."""
     with _library_errors(source, kind):
         with source.opened() as stream:  # what the file says about its unit and axes; what would be read wrongly

@@ -15,7 +15,7 @@ from itertools import count, islice
 import numpy as np
 
 from robodyn.solids.mesh.read.source import Source
-from robodyn.solids.mesh.triangles import IndexedTriangles, MemoryTriangles, polygon_triangles
+from robodyn.solids.mesh.triangles import MemoryTriangles, polygon_triangles
 
 _LONGEST_LINE = 1 << 24
 _INDEX = re.compile(r"[-+]?[0-9]{1,18}")
@@ -86,7 +86,7 @@ class _Polygons:
     def __init__(self) -> None:
         self.coordinates, self.corners, self.sizes = array("d"), array("q"), array("q")
 
-    def triangles(self, source: Source, scale: float, notes: tuple[str, ...]) -> IndexedTriangles:
+    def triangles(self, source: Source, scale: float, notes: tuple[str, ...]) -> MemoryTriangles:
         return polygon_triangles(
             source.name,
             np.array(self.coordinates).reshape(-1, 3),
@@ -98,7 +98,7 @@ class _Polygons:
         )
 
 
-def read_obj(source: Source, scale: float, notes: tuple[str, ...]) -> IndexedTriangles:
+def read_obj(source: Source, scale: float, notes: tuple[str, ...]) -> MemoryTriangles:
     """Return the faces of all objects and groups of an OBJ: lines `v x y z` and `f i/t/n j/t/n k/t/n ...`.
 
     Indices count from 1, negative ones backwards from the last vertex that stands before the face. Texture and normal
@@ -146,7 +146,7 @@ def _obj_lines(source: Source) -> Iterator[tuple[int, list[str]]]:
 _OFF = re.compile(r"(?:ST)?C?N?OFF")
 
 
-def read_off(source: Source, scale: float, notes: tuple[str, ...]) -> IndexedTriangles:
+def read_off(source: Source, scale: float, notes: tuple[str, ...]) -> MemoryTriangles:
     """Return the faces, `n i j k ...`, of an OFF; colours, normals and texture coordinates are left out."""
     rows = ((line, words) for line, text in lines(source) if (words := text.partition("#")[0].split()))
     _, header = next(rows, (0, [""]))
