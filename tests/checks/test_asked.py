@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import subprocess
 from pathlib import Path
 
 import numpy as np
 import pytest
 from helpers.command_line import run
+from helpers.git_repository import committed, git
 from helpers.peers import mujoco
 
 import robodyn
@@ -27,11 +27,6 @@ def found(source: str | bytes, code: str, asked: Asked) -> list[Finding]:
     return [one for one in check_one(source, Options(asked=asked)) if one.code == code]
 
 
-def git(folder: Path, *words: str) -> None:
-    identity = ("-c", "user.name=a", "-c", "user.email=a@b", "-c", "commit.gpgsign=false")
-    subprocess.run(["git", *identity, *words], cwd=folder, check=True, capture_output=True)
-
-
 @pytest.fixture(autouse=True)
 def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """MuJoCo writes its warnings into the current folder."""
@@ -43,9 +38,7 @@ def versions(tmp_path: Path) -> Path:
     """arm.urdf with the rule's good example committed and its bad one in place."""
     file = tmp_path / "arm.urdf"
     file.write_text(REGRESSION.good)
-    git(tmp_path, "init", "-q")
-    git(tmp_path, "add", "arm.urdf")
-    git(tmp_path, "commit", "-qm", "good")
+    committed(tmp_path)
     file.write_text(REGRESSION.bad)
     return file
 

@@ -20,6 +20,7 @@ import yaml
 from helpers import command_line
 from helpers.clean_arm import FAMILIES, IDENTITY, arm
 from helpers.command_line import command
+from helpers.git_repository import committed
 from helpers.schemas import ACTION, SARIF, json_schema
 from jsonschema import Draft7Validator
 
@@ -127,16 +128,6 @@ def test_a_pull_request_is_told_how_its_dynamics_differ(runner: Any, tmp_path: P
         0,
         [f"::notice title=robodyn::the dynamics are not compared: git cannot fetch {'f' * 40}"],
     )
-
-
-def committed(folder: Path) -> str:
-    """Commit what is in a folder, in a repository of its own."""
-    git = ("git", "-c", "user.name=a", "-c", "user.email=a@b", "-c", "commit.gpgsign=false")
-    for words in (("init", "-q"), ("add", "."), ("commit", "-qm", "base")):
-        subprocess.run([*git, *words], cwd=folder, check=True)
-    return subprocess.run([*git, "rev-parse", "HEAD"], cwd=folder, check=True, capture_output=True, text=True).stdout[
-        :40
-    ]
 
 
 def wheel(folder: Path) -> Path:

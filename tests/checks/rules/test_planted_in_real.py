@@ -9,8 +9,11 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
+import numpy as np
 import pytest
 from helpers.example_robots import path_of
+from helpers.git_repository import committed
+from helpers.planted_defects import DEFECTS
 from helpers.planted_ros import (
     ARMS,
     FOLLOWERS,
@@ -26,11 +29,18 @@ from helpers.planted_ros import (
 )
 from helpers.planted_slips import FILE, HARMLESS, NAMED, Slip, by_its_rule, outcome, slips
 from helpers.sampled import sampled
+from pinned_findings import pinned
 
-from robodyn.checks.catalogue import BY_CODE
+from robodyn.checks.catalogue import BY_CODE, CODES
 from robodyn.checks.check import Options, check_one, select_findings
+from robodyn.checks.context import Asked, Context
 from robodyn.checks.groups import deduplicate
 from robodyn.checks.rule import Finding
+from robodyn.robot.masses.mistakes import UPPER
+from robodyn.robot.urdf.document import read
+from robodyn.robot.urdf.parts import INERTIA
+from robodyn.solids.inertia.laws import parallel_axis, symmetric
+from robodyn.support.floats import Floats
 
 
 class Plant(NamedTuple):
@@ -196,6 +206,14 @@ MASSES = (
     Plant("RD214", "solo12", "link FL_LOWER_LEG", _INERTIAL, ""),
     Plant("RD213", "xarm7", "link link_eef", "/>", f">{_FLANGE}</link>", "its mass of 0.17 kg"),
 )
+_MASS, _TURN = r'(<mass\s+value=")[^"]*', r'(<inertial>.*?<origin[^>]*?)rpy\s*=\s*"[^"]*"'
+TWINS = (
+    Plant("RD401", "hyq_no_sensors", "link lf_upperleg", _MASS, r"\g<1>1.5", "", "rf_upperleg"),
+    Plant("RD401", "anymal", "link LF_THIGH", _MASS, r"\g<1>1.5", "", "RF_THIGH"),
+    Plant("RD309", "go2", "link FL_thigh", _TURN, r'\1rpy="0.9 1.2 0.3"'),
+    Plant("RD309", "solo12", "link FL_UPPER_LEG", _TURN, r'\1rpy="0.9 1.2 0.3"'),
+    Plant("RD602", "panda", "link panda_link4", "collision/link4.stl", "collision/Link4.stl"),
+)
 _AT = r"(<origin[^>]*?)xyz=\"[^\"]*\""
 OVERLAPS = (
     Plant("RD610", "ur5_robot", "joint elbow_joint", _AT, r'\1xyz="0 -0.1197 0"', "into link", "forearm_link"),
@@ -209,7 +227,7 @@ def called(plant: Plant) -> str:
     return f"{plant.code}-{plant.robot}-{plant.part}"
 
 
-PLANTS = (*LIMITS, *FITS, *TREE, *MASSES, *OVERLAPS)
+PLANTS = (*LIMITS, *FITS, *TREE, *MASSES, *TWINS, *OVERLAPS)
 
 
 @pytest.mark.parametrize("plant", sampled(PLANTS, 13), ids=called)
@@ -338,3 +356,52 @@ def test_it_is_named_once(stem: str, times: float) -> None:
 @pytest.mark.parametrize("times", sampled([0.1, 10.0, 39.37, 100.0], 4))
 def test_another_factor_is_not_named(times: float) -> None:
     assert "RD113" not in {one.code for one in severe("z1", times)}
+
+
+def less_steiner(I: Floats, mass: float, centre: Floats) -> Floats:
+    return I - parallel_axis(np.zeros((3, 3)), mass, centre)
+
+
+def products_turned(I: Floats, _: float, __: Floats) -> Floats:
+    return np.array([[I[0, 0], I[1, 2], I[0, 1]], [I[1, 2], I[1, 1], I[0, 2]], [I[0, 1], I[0, 2], I[2, 2]]])
+
+
+CAUSES = {"RD308": less_steiner, "RD310": products_turned}
+
+
+@pytest.mark.parametrize(("robot", "link"), [("go2", "FL_thigh"), ("b1", "FR_thigh"), ("solo12", "FL_UPPER_LEG")])
+@pytest.mark.parametrize("code", CAUSES)
+def test_causes_of_tensors_that_no_body_has(code: str, robot: str, link: str) -> None:
+    view = Context(read(str(path_of(robot)))).view.link[link]
+    assert view.inertial is not None
+    assert view.tensor is not None
+    centre = np.array(view.inertial.origin.xyz.or_default(0.0, 0.0, 0.0))
+    wrong = CAUSES[code](symmetric(view.tensor), view.mass or 0.0, centre)[UPPER].tolist()
+    new = "<inertia " + " ".join(f'{name}="{x!r}"' for name, x in zip(INERTIA, wrong, strict=True)) + "/>"
+    (one,) = fresh(Plant(code, robot, f"link {link}", r"<inertia\b[^>]*?/>", new))
+    assert (one.code in ("RD206", "RD207"), one.subject and one.subject.name) == (True, link)
+    assert (one.cause or "").endswith(f"({code})")
+
+
+def test_what_is_asked_of_published_robots(tmp_path: Path) -> None:
+    """A format that MuJoCo does not read, a motion, an earlier version."""
+    motion, version = tmp_path / "motion.csv", tmp_path / "panda.urdf"
+    motion.write_text("time,q_panda_joint4\n" + "".join(f"{k / 10},{-k / 10}\n" for k in range(40)))
+    version.write_text(path_of("panda").read_text())
+    committed(tmp_path)
+    version.write_text(Plant("RD902", "panda", "link panda_link4", _MASS, r"\g<1>1.5").text)
+    for code, file, asked, name in (
+        ("RD607", path_of("kinova"), Asked(targets=("mujoco",)), "j2s6s200_link_base"),
+        ("RD802", path_of("panda"), Asked(trajectory=str(motion)), "panda_joint4"),
+        ("RD902", version, Asked(against="HEAD"), "panda_link4"),
+    ):
+        found = check_one(str(file), Options(select=(code,), asked=asked))
+        assert {one.code for one in found} == {code}
+        assert name in {one.subject and one.subject.name for one in found}
+
+
+def test_every_rule_speaks_of_a_published_robot_or_of_a_defect_that_is_planted() -> None:
+    """Those of units are planted in whole robots."""
+    real = {key.split()[0] for counts in pinned().values() for key in counts}
+    planted = {one.code for one in (*PLANTS, *PLANTED, *DEFECTS)} | {*CAUSES, "RD113", "RD607", "RD802", "RD902"}
+    assert {*CODES} - real == planted - real
