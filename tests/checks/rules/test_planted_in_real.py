@@ -31,6 +31,7 @@ from helpers.planted_slips import FILE, HARMLESS, NAMED, Slip, by_its_rule, outc
 from helpers.sampled import sampled
 from pinned_findings import pinned
 
+import robodyn
 from robodyn.checks.catalogue import BY_CODE, CODES
 from robodyn.checks.check import Options, check_one, select_findings
 from robodyn.checks.context import Asked, Context
@@ -386,7 +387,10 @@ def test_causes_of_tensors_that_no_body_has(code: str, robot: str, link: str) ->
 def test_what_is_asked_of_published_robots(tmp_path: Path) -> None:
     """A format that MuJoCo does not read, a motion, an earlier version."""
     motion, version = tmp_path / "motion.csv", tmp_path / "panda.urdf"
-    motion.write_text("time,q_panda_joint4\n" + "".join(f"{k / 10},{-k / 10}\n" for k in range(40)))
+    names = robodyn.load(path_of("panda")).joint_names
+    rows = (",".join(str(-k / 10 * (name == "panda_joint4")) for name in names) for k in range(40))
+    lines = [f"{k / 10},{row}\n" for k, row in enumerate(rows)]
+    motion.write_text(f"time,{','.join(f'q_{name}' for name in names)}\n{''.join(lines)}")
     version.write_text(path_of("panda").read_text())
     committed(tmp_path)
     version.write_text(Plant("RD902", "panda", "link panda_link4", _MASS, r"\g<1>1.5").text)
