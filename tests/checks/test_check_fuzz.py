@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import random
-import re
 from pathlib import Path
 
 import pytest
-from helpers.example_robots import path_of
 from helpers.planted_defects import DEFECTS, HEALTHY
 from helpers.sampled import sampled
 from helpers.urdfdom import check_urdf, refused
@@ -180,8 +177,6 @@ BEHIND = {
     "a comment": (BEFORE, LONGEST + 5, len(BEFORE)),
     "a comment, with an apostrophe": (f"{BEFORE}it's ", LONGEST + 5, len(BEFORE)),
     "nothing": ("", LONGEST + 5, 0),
-    "a tag, with an apostrophe": ('<robot name="a">it\'s ', LONGEST + 5, len('<robot name="a">')),
-    "a long comment": (f"<robot><!--{'c' * HALF}-->", HALF + 50, len("<robot><!---->") + HALF),
     "a long comment with an apostrophe": (f"<robot><!--'{'c' * HALF}-->", HALF + 50, len("<robot><!--'-->") + HALF),
 }
 
@@ -239,29 +234,3 @@ def test_slips(tmp_path: Path, old: str, new: str) -> None:
 @pytest.mark.parametrize("path", sampled(published()), ids=name_of)
 def test_published_robots(path: Path) -> None:
     assert not refused(path) or has_errors(path)
-
-
-def slip(text: str, chance: random.Random) -> str:
-    """The text with an attribute or an element deleted, an element twice, or a value that is another."""
-    start = text.index("<robot")
-    if chance.random() < 0.4:
-        element = chance.choice(list(re.finditer(r"<\w+\b[^<>]*/>", text)))
-        return text[: element.start()] + element[0] * chance.choice((0, 2)) + text[element.end() :]
-    found = chance.choice(list(re.finditer(r'\s(\w+)="[^"]*"', text[start:])))
-    value = chance.choice(("", "x", "1 2", "-1", "0", "nan", "1,5"))
-    new = chance.choice(("", f' {found[1]}="{value}"'))
-    return text[: start + found.start()] + new + text[start + found.end() :]
-
-
-@needs_urdfdom
-@pytest.mark.parametrize("stem", sampled(["z1", "panda", "a1"]))
-def test_random_slips_in_published_robots(tmp_path: Path, stem: str) -> None:
-    chance, file, refusals = random.Random(stem), tmp_path / f"{stem}.urdf", 0
-    text = re.sub(r"<!--.*?-->", "", path_of(stem).read_text(encoding="utf-8"), flags=re.DOTALL)
-    for _ in range(40):
-        changed = slip(text, chance)
-        file.write_text(changed, encoding="utf-8")
-        if refused(file):
-            refusals += 1
-            assert has_errors(file), changed
-    assert refusals > 3

@@ -14,7 +14,7 @@ from helpers.planted_defects import HEALTHY
 import robodyn
 from robodyn.checks import check as checks
 from robodyn.checks import sources
-from robodyn.checks.catalogue import ALL, BY_CODE, DEFAULT, RULES, rules_for
+from robodyn.checks.catalogue import ALL, BY_CODE, DEFAULT, rules_for
 from robodyn.checks.check import (
     Checked,
     Options,
@@ -23,11 +23,9 @@ from robodyn.checks.check import (
     check_one,
     check_tasks,
     found_in,
-    select_findings,
     tasks_for,
 )
 from robodyn.checks.context import Asked, Thresholds
-from robodyn.checks.rule import Severity
 from robodyn.checks.sources import parse_config
 from robodyn.errors import InputError, RobodynWarning
 
@@ -70,13 +68,6 @@ def test_the_nearest_hold_and_the_call_wins(
     if "robots/old/pyproject.toml" not in files:
         (robot.parent / "pyproject.toml").write_text("this is not TOML and none of our business")
     assert codes(robot, given) == expected
-
-
-def test_a_file_that_is_named_holds_for_all(robot: Path, tmp_path: Path) -> None:
-    (robot.parent / "robodyn.toml").write_text(f'{TABLE}ignore = ["RD"]')
-    named = tmp_path / "strict.toml"
-    named.write_text(f'{TABLE}select = ["RD502"]')
-    assert codes(robot, config=str(named)) == ["RD502"]
 
 
 def test_per_file(robot: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -296,11 +287,9 @@ def shown_and_hidden(text: str, options: Options) -> tuple[list[str], list[str]]
     ("select", "ignore", "shown", "hidden"),
     [
         ((), (), ["RD208"], ["RD110"]),
-        ((DEFAULT,), (), ["RD208"], ["RD110"]),
         ((ALL,), (), ["RD208", "RD110"], []),
         (("RD110",), (), ["RD110"], []),
         (("RD1",), (), ["RD110"], []),
-        (("RD2",), (), ["RD208"], []),
         ((DEFAULT, "RD110"), (), ["RD208", "RD110"], []),
         ((DEFAULT, "RD5"), (), ["RD208"], ["RD110"]),
         ((), ("RD110",), ["RD208"], []),
@@ -324,14 +313,3 @@ def test_what_is_minor_is_shown_when_asked_for() -> None:
         found_in(b"<robot/>", Options(("NONE",)))
     with pytest.raises(robodyn.RobodynError, match="there is no rule 'ALL'"):
         robodyn.check(HEALTHY.encode(), ignore=[ALL])
-
-
-def test_hidden_and_shown_are_all() -> None:
-    for rule in RULES[::4]:
-        every = check_one(rule.bad.encode())
-        by_default, everything = select_findings(every, Options()), select_findings(every, Options((ALL,)))
-        assert everything.hidden == ()
-        assert not [one for one in by_default.hidden if one.severity is Severity.ERROR]
-        together = sorted((one.start, one.code) for one in (*by_default.shown, *by_default.hidden))
-        assert together == sorted((one.start, one.code) for one in everything.shown)
-        assert len(every) >= len(together)
