@@ -85,6 +85,7 @@ CALLS: dict[str, str] = {
     "torques arm.urdf arm.csv --out ''": "'': unknown type of table by this suffix",
     "torques arm.urdf arm.csv --out arm.csv": "arm.csv: the output would overwrite an input (give --out another name)",
     "torques arm.urdf arm.csv --out ./arm.urdf": "./arm.urdf: the output would overwrite an input",
+    "torques arm.urdf arm.csv --out 'nul\0.csv'": "nul\\x00.csv: cannot be written: the name has a null character",
     "torques arm.urdf arm.csv --report r.pdf": "r.pdf: unknown type of report by this suffix (name it .html or .md)",
     "torques arm.urdf arm.csv --report no/r.html": "no/r.html: cannot be written: there is no such folder",
     "accuracy part.stl --plot front.bmp": "front.bmp: unknown type of picture by this suffix",

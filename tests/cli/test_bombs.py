@@ -37,7 +37,7 @@ def refused(outcome: Bounded, name: str) -> None:
     assert outcome.memory < MOST, f"{outcome.memory >> 20} MB: {outcome.err}"
 
 
-@pytest.mark.parametrize("name", sampled(TABLES, 3))
+@pytest.mark.parametrize("name", sampled(TABLES, 4))
 def test_tables(name: str, tmp_path: Path, bounded: Command) -> None:
     write_bomb(tmp_path / name)
     refused(bounded("torques", "arm.urdf", name, cwd=tmp_path, limits=FEWER if name in COUNTED else ""), name)

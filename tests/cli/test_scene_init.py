@@ -40,7 +40,7 @@ def examples(text: str) -> list[str]:
     return [line[1:] for line in text.splitlines() if re.match("#[^ ]", line)]
 
 
-@pytest.mark.parametrize("name", [*sampled([*OURS, "panda", "anymal"], 4), "tiago", "odd", "link"])
+@pytest.mark.parametrize("name", [*sampled([*OURS, "panda", "anymal", "tiago"], 4), "odd", "link"])
 def test_each_example_is_a_valid_scene(name: str) -> None:
     """And as written it is no scene at all."""
     models = {moving: model_of(name, moving) for moving in (False, True)}
