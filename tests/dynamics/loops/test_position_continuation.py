@@ -68,6 +68,14 @@ def test_few_rows_of_full_turns(rows, turn):
     assert np.abs(found[:, model.coordinates.index("big_end")] - q["big_end"]).max() <= 1e-12
 
 
+def test_which_way_is_taken_where_the_scene_does_not_say_it():
+    th = np.linspace(0.7, 0.9, 3)
+    follower, q, _, _ = follow(*begun(crank_slider()), ("rail", "big_end"), {"main": th})
+    assert np.abs(q[:, follower.plan.model.coordinates.index("rail")] - slider(th)["rail"]).max() <= 1e-13
+    (note,) = follower.notes
+    assert note.startswith("the loops close in 2 ways or more at the first row: taken is rail = 1.006, ")
+
+
 def test_both_branches_of_a_slider_are_kept():
     """Given the slider, the crank may stand on either side; the scene says on which."""
     model, scene = crank_slider()
