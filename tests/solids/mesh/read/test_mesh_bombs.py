@@ -206,21 +206,21 @@ def test_lines_that_are_continued_without_end():
 
 @pytest.mark.parametrize("corners", ["1 ", "1 2 3 4 "])
 def test_a_polygon_that_names_few_corners_often(corners):
-    text = f"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf {corners * 60}\n"
+    text = f"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf {corners * 500}\n"
     with pytest.raises(MeshError, match=r"no volume|no triangle with an area|not closed"):
         mass_properties(text.encode(), file_type="obj")
 
 
-def test_a_polygon_that_crosses_itself():
+@pytest.mark.parametrize(("count", "most"), [(3000, 5), pytest.param(1500, 8, marks=pytest.mark.slow)])
+def test_a_polygon_that_crosses_itself(count, most):
     """A star whose fan and caps fold over each other as often as it has corners: few winding numbers are taken."""
-    count = 1500
     turn = 6.28 * 0.49 * np.arange(count)
     places = np.stack([np.cos(turn) * (1 + np.arange(count) % 2), np.sin(turn), np.arange(count) % 5], axis=1)
     text = "".join(f"v {x} {y} {z}\n" for x, y, z in places) + f"f {' '.join(map(str, range(1, count + 1)))}\n"
     before = time.process_time()
     with pytest.raises(MeshError, match="not closed"):
         mass_properties(text.encode(), file_type="obj")
-    assert time.process_time() - before < 5
+    assert time.process_time() - before < most
 
 
 def test_headers_with_many_properties_and_elements():
