@@ -53,6 +53,14 @@ def test_a_torque_straight_between_rows(name, executor):
         assert np.abs(end(found) - expected).max() <= 2e-3
 
 
+def test_a_torque_that_is_held():
+    time, force = np.array([0.0, 0.1, 0.3, 0.6, 1.0]), np.array([1.0, -2.0, 4.0, 0.5, 99.0])
+    held = replace(PUSHED, between_rows="hold")
+    for how in ({"step": 0.05}, {"step": 0.1, "method": "verlet"}, {"rtol": 1e-11}):
+        found = robodyn.simulate(slide(2.0), held, table={"time": time, "push": force}, **how)
+        assert abs(found.qd[-1, 0] - force[:-1] @ np.diff(time) / 2.0) <= 1e-7, how
+
+
 @pytest.mark.parametrize("name", ["symplectic-euler", "rk4", "dop853"])
 def test_references_are_followed_with_their_slopes(name):
     """With the torque of the motion fed forward, an arm on its reference stays on it."""
