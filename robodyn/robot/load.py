@@ -110,10 +110,9 @@ def assemble(description: Description, *, moving_base: bool = False) -> Model:
 def _notes(description: Description) -> tuple[str, ...]:
     notes = [what for _, what in description.notes]
     for joint in description.joints:
-        if joint.type in ("planar", "floating") and (joint.damping or joint.friction):
-            notes.append(f'joint "{joint.name}" (line {joint.line}): a {joint.type} joint has no friction here')
-        if joint.type in ("planar", "floating") and joint.limit:
-            notes.append(f'joint "{joint.name}" (line {joint.line}): a {joint.type} joint has no limits here')
+        for what, given in (("friction", joint.damping or joint.friction), ("limits", joint.limit)):
+            if given and joint.type in ("planar", "floating"):
+                notes.append(f'joint "{joint.name}" (line {joint.line}): a {joint.type} joint has no {what} here')
     for link in description.links:
         why = unphysical(symmetric(link.inertial.inertia)) if link.inertial else None
         if why:

@@ -137,14 +137,9 @@ def _digest(key: Key, content: bytes) -> bytes:
 
 def _private(path: Path, status: os.stat_result | None = None) -> bool:
     """Return whether only this user may write there, as far as the system tells it."""
-    if not hasattr(os, "getuid"):
-        return in_profile(path)
+    if not hasattr(os, "getuid"):  # systems without owners keep the user's own folder from other users
+        with suppress(OSError, RuntimeError):
+            return path.resolve().is_relative_to(Path.home().resolve())
+        return False
     status = status or path.stat()
     return status.st_uid == os.getuid() and not status.st_mode & 0o022
-
-
-def in_profile(path: Path) -> bool:
-    """Return whether a place is in the user's own folder, which systems without owners keep from other users."""
-    with suppress(OSError, RuntimeError):
-        return path.resolve().is_relative_to(Path.home().resolve())
-    return False
