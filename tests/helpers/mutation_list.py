@@ -24,7 +24,7 @@ MUTATIONS = {
         ("checks/importers.py", "small + middle < (1.0 - 2.0 * _ROUNDING) * large", "False"),
         ("checks/imported.py", "os.dup2(2, 1)", "pass"),
         ("checks/imported.py", "R.reshape(3, 3) * model.body_inertia[k]", "model.body_inertia[k]"),
-        ("checks/bodies/masses.py", "behind(behind(back, outer), inner)", "behind(outer, inner)"),
+        ("checks/bodies/masses.py", "behind(relative(first, outer), inner)", "behind(outer, inner)"),
     ],
     "checks/test_config.py": [
         ("checks/catalogue.py", "not select or DEFAULT in select", "not select"),

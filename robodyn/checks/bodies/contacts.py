@@ -12,7 +12,7 @@ import numpy as np
 
 from robodyn.checks.bodies.bodies import link_boxes, real_shapes, size_of, solids
 from robodyn.checks.bodies.collision_fit import misfits
-from robodyn.checks.bodies.masses import STILL, behind, pose
+from robodyn.checks.bodies.masses import STILL, behind, pose, relative
 from robodyn.checks.context import Context, Group
 from robodyn.checks.meshes.files import all_facts, extremes, mesh_names, spread_out
 from robodyn.checks.srdf import own_srdf
@@ -52,11 +52,6 @@ def rest_poses(context: Context) -> Mapping[str, Pose]:
         if inner is not None and outer is not None:
             poses[link.name] = behind(outer, inner)
     return poses
-
-
-def relative(outer: Pose, inner: Pose) -> Pose:
-    """The pose of the inner frame in the outer one, both being given in a third."""
-    return Pose(product(outer.R.T, inner.R), product(outer.R.T, inner.p - outer.p))
 
 
 def joint_pose(joint: JointView) -> Pose | None:

@@ -50,6 +50,11 @@ def behind(outer: Pose, inner: Pose) -> Pose:
     return Pose(product(outer.R, inner.R), outer.p + product(outer.R, inner.p))
 
 
+def relative(outer: Pose, inner: Pose) -> Pose:
+    """The pose of the inner frame in the outer one, both being given in a third."""
+    return Pose(product(outer.R.T, inner.R), product(outer.R.T, inner.p - outer.p))
+
+
 def carried_masses(context: Context) -> Mapping[Group, float]:
     """The mass of all that moves with each rigid group, itself included; unreadable masses count as 0."""
     carried: dict[Group, float] = {}
@@ -102,17 +107,14 @@ def tensors(context: Context) -> Iterator[tuple[LinkView, InertialView, Tensor]]
 def inertia_together(context: Context, links: Sequence[LinkView]) -> Inertia | None:
     """The inertia of links of a rigid group, in the frame of the first; None where a number cannot be read."""
     poses, found = context.once(link_poses), list[Inertia]()
-    own = poses.get(links[0].name)
-    if own is None:
-        return None
-    back = Pose(own.R.T, -product(own.R.T, own.p))
+    first = poses.get(links[0].name)
     for link in links:
         if link.inertial is None:
             continue
         outer, inner = poses.get(link.name), pose(link.inertial.origin)
-        if link.mass is None or link.tensor is None or outer is None or inner is None:
+        if link.mass is None or link.tensor is None or first is None or outer is None or inner is None:
             return None
-        at = behind(behind(back, outer), inner)
+        at = behind(relative(first, outer), inner)
         found.append(inertia_of(link.mass, ZERO, symmetric(link.tensor), at.R, at.p))
     return combined(found)
 

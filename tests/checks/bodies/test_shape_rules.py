@@ -5,11 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from helpers.example_robots import path_of
-from helpers.mesh_samples import binary_stl, box
 from helpers.sampled import sampled
 
 import robodyn
-from robodyn.checks.bodies.bodies import bodies
 from robodyn.checks.check import Options, check_one
 from robodyn.checks.context import Context
 from robodyn.checks.examples import INERTIA, a_shaped_link
@@ -134,30 +132,6 @@ def test_shapes_of_links_that_are_fixed_count() -> None:
     more = f"""<link name="cover">{large}</link>
   <joint name="glue" type="fixed"><parent link="upper"/><child link="cover"/></joint>"""
     assert [severity for _, severity in found(text.replace("</robot>", more + "</robot>").encode())] == [W]
-
-
-def test_bodies_stand_in_the_link_s_axes() -> None:
-    """A solid box turned by the inertial's rpy has the second moments of the turned box."""
-    body = solids.box(0.1, 0.2, 0.3, density=1000.0)
-    xx, yy, zz = np.diag(body.inertia).tolist()
-    text = a_shaped_link(mass=repr(body.mass), inertia=tensor(xx, yy, zz))
-    text = text.replace('<origin xyz="0 0 0.12"/>', '<origin xyz="0 0 0.12" rpy="0 1.5707963267948966 0"/>')
-    context = Context(read(text.encode()))
-    (one,) = context.once(bodies).values()
-    assert one.S is not None
-    second = np.diag(body.S_c)
-    assert np.abs(one.S - np.diag(second[[2, 1, 0]])).max() <= 8 * np.finfo(float).eps * second.max()
-
-
-def test_meshes_count_as_shapes(tmp_path: object) -> None:
-    folder = str(tmp_path)
-    with open(f"{folder}/part.stl", "wb") as stream:
-        stream.write(binary_stl(box((100.0, 100.0, 250.0))))
-    shape = '<mesh filename="part.stl" scale="-0.001 0.001 0.001"/>'
-    for centre, expected in (("0 0 0.12", []), ("0 0 0.55", [("RD302", E)])):
-        with open(f"{folder}/arm.urdf", "w") as stream:
-            stream.write(a_shaped_link(shape=shape, centre=centre))
-        assert found(f"{folder}/arm.urdf") == expected
 
 
 @pytest.mark.parametrize(("radius", "expected"), [(0.05, []), (0.1, ["RD208"])])
