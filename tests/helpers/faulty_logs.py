@@ -1,28 +1,18 @@
-"""Logs with known faults and noise: of one motion, as rows; or drawn at random, and by a file as `torques` reads it.
-
-Errors of `explain` were chosen by logs of four robots, puma560, scara, two_link_spatial and ur5_robot, which are not
-among `OTHERS`.
-"""
+"""Motions of a robot with torques that have known faults and noise."""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cache, cached_property
-from pathlib import Path
-from typing import NamedTuple
+from functools import cached_property
 
 import numpy as np
-import polars
 from scipy.interpolate import CubicSpline
 
 import robodyn
-from helpers.example_robots import path_of
-from helpers.identified_logs import coloured, quintics, trapezoids, waves
-from helpers.oracles import ROBOTS
+from helpers.identified_logs import coloured
 from robodyn.dynamics.regressor import INERTIAL
-from robodyn.identification.faults.compare import evidence_of, load_body
-from robodyn.identification.faults.faults import OWN, Evidence, explain
-from robodyn.identification.log.log import read_log
+from robodyn.identification.faults.compare import load_body
+from robodyn.identification.faults.faults import OWN, Evidence
 from robodyn.identification.log.rows import convolved, decimation, kernel
 from robodyn.scene.scene import Payload, Scene
 from robodyn.solids.inertia.laws import symmetric
@@ -30,9 +20,6 @@ from robodyn.solids.inertia.laws import symmetric
 LOAD = Payload("", 2.0, (0.05, 0.01, 0.1), (0.0298, 0.001, 0.01, 0.025, 0.002, 0.0148))
 """On the body that carries loads."""
 CUTOFF = 8.0
-OTHERS = ("puma", "meshed_arm", "kinova", "z1")
-SEEN = 6.0
-"""Standard errors beyond which a fault must not be missed."""
 
 
 def ten(load: Payload):
@@ -128,95 +115,3 @@ class Bench(Log):
             else:
                 found[len(OWN) * j + OWN.index(kind)] = size
         return found
-
-
-@cache
-def robot(name):
-    path = ROBOTS / f"{name}.urdf"
-    return robodyn.load(path if path.exists() else Path(path_of(name)))
-
-
-def spread(rng, low, high):
-    """Return a number whose logarithm is uniform."""
-    return float(np.exp(rng.uniform(np.log(low), np.log(high))))
-
-
-class Judged(NamedTuple):
-    """What became of the faults of a log.
-
-    Attributes:
-        off: errors of injected parameters that are told, in standard errors; rest: of all others.
-        false: certain faults that were not injected; missed: injected ones beyond `SEEN` errors that are not told.
-    """
-
-    off: list[float]
-    rest: list[float]
-    false: list[tuple[str, int | None]]
-    missed: list[tuple[str, int | None]]
-
-
-class Draw(Log):
-    """A log that is drawn by its seed, with 0, 1 or 2 faults by kind and joint.
-
-    Robot, motion, length, rate, noise of torques and positions are drawn, too. A log goes by a file, so that all of
-    the reading counts: derivatives are of noisy positions.
-    """
-
-    def __init__(self, seed, robots, longest=60.0):
-        rng = self.rng = np.random.default_rng([19, seed])
-        model = robot(str(rng.choice(robots)))
-        duration, rate = spread(rng, 5.0, longest), float(rng.choice([100.0, 250.0, 500.0, 1000.0]))
-        self.memory = np.exp(-1.0 / (rate * rng.uniform(0.01, 0.1))) if rng.random() < 0.5 else 0.0
-        self.loud, self.jitter = spread(rng, 0.005, 0.05), spread(rng, 1e-5, 1e-4)
-        time = np.arange(0.0, duration, 1.0 / rate)
-        super().__init__(model, time, (waves, quintics, trapezoids)[rng.integers(3)](rng, time, model.n))
-        joints, count = rng.permutation(model.n), seed % 3
-        kinds = rng.choice((*OWN, "payload"), count, replace=rng.random() < 0.2)
-        mass = spread(rng, 0.2, 3.0)
-        own = mass * 0.05**2
-        self.load = Payload("", mass, tuple(rng.uniform(-0.1, 0.1, 3)), (own, 0.0, 0.0, own, 0.0, own))
-        self.faults = [self._fault(str(kind), int(j)) for kind, j in zip(kinds, joints, strict=False)]
-
-    def _fault(self, kind, j):
-        part, sign = spread(self.rng, 0.03, 0.5), float(self.rng.choice([-1.0, 1.0]))
-        if kind == "payload":
-            return kind, None, ten(self.load)
-        rates = {"viscous": self.qd, "rotor": self.qdd}
-        sizes = {"delay": 0.06 * sign, "gain": 0.8 * sign, "offset": self.scale[j] * sign, "coulomb": self.scale[j]}
-        return kind, j, part * (sizes[kind] if kind in sizes else self.scale[j] / rates[kind][:, j].std())
-
-    def write(self, path):
-        """Write times, positions with noise, and torques."""
-        tau = self.injected(self.faults, self.load)
-        tau += self.loud * self.scale * coloured(self.rng, tau.shape, self.memory)
-        q = self.q + self.jitter * self.rng.standard_normal(self.q.shape)
-        columns = {
-            f"{kind}_{n}": x[:, j] for kind, x in (("q", q), ("tau", tau)) for j, n in enumerate(self.model.rates)
-        }
-        polars.DataFrame({"time": self.time, **columns}).write_parquet(path)
-
-    def judged(self, path) -> Judged:
-        """Return what is told of the log, written to a path."""
-        self.write(path)
-        evidence, _, joints, _ = evidence_of(read_log(str(path), self.model))
-        found = explain(evidence)
-        n, errors = len(joints), np.sqrt(np.diag(found.covariance))
-        places = {(kind, j): [len(OWN) * k + OWN.index(kind)] for k, j in enumerate(joints) for kind in OWN}
-        places["payload", None] = [*range(len(OWN) * n, len(OWN) * n + 10)]
-        truth, injected = np.zeros(len(errors)), set()
-        for kind, j, size in self.faults:
-            truth[places[kind, j]] = size
-            injected |= {*places[kind, j]} & found.told
-        z = {place: (found.theta[place] - truth[place]) / errors[place] for place in sorted(found.told)}
-        told = {(f.effect.kind, None if f.effect.joint is None else joints[f.effect.joint]): f for f in found.faults}
-        faults = {(kind, j): {*places[kind, j]} & found.told for kind, j, _ in self.faults}
-        return Judged(
-            [z[place] for place in z if place in injected],
-            [z[place] for place in z if place not in injected],
-            [key for key, fault in told.items() if fault.certain and key not in faults],
-            [
-                key
-                for key, own in faults.items()
-                if key not in told and any(abs(truth[place]) > SEEN * errors[place] for place in own)
-            ],
-        )

@@ -10,8 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers.command_line import ROBOTS, run
-from helpers.faulty_logs import OTHERS, Bench, Draw
+from helpers.faulty_logs import Bench
 from helpers.identified_logs import waves, write_log
+from helpers.random_faulty_logs import OTHERS, Draw
 
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.identification.faults.compare import channels, evidence_of, rerouted

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from helpers.faulty_logs import robot
 from helpers.identified_logs import Bench, coloured, quintics, trapezoids, waves, white, write_log
 from helpers.misfit_logs import deviation, with_bodies
+from helpers.random_faulty_logs import robot
 
 import robodyn
 from robodyn.identification.identify import identify
