@@ -72,6 +72,22 @@ def test_json(robot: Path) -> None:
     assert edit["text"] == "0.0 0.0 1.0"
 
 
+def test_further_formats_of_the_same_run(robot: Path) -> None:
+    """Each as it is alone."""
+    robot.write_text(NEGATIVE)
+    files = {
+        form: robot.with_name(f"findings.{form}") for form in ("json", "sarif", "junit", "github", "short", "text")
+    }
+    also = [word for form, file in files.items() for word in ("--also", f"{form}={file}")]
+    assert run("check", str(robot), "--strict", *also).status == 1
+    for form, file in files.items():
+        assert file.read_text() == run("check", str(robot), "--strict", "--format", form).out, form
+    for wrong in ("sarf=x", "sarif", "sarif="):
+        outcome = run("check", str(robot), "--also", wrong)
+        assert (outcome.status, outcome.err.count("\n")) == (2, 1)
+        assert f"{wrong!r} is not FORMAT=FILE; formats are text, short, json" in outcome.err
+
+
 def test_rules_are_explained_and_listed() -> None:
     assert run("rule", "RD207").out == run("rule", "rd207").out == run("rule", "Triangle-Inequality").out
     rule = next(rule for rule in RULES if rule.code == "RD207")
