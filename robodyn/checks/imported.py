@@ -11,6 +11,7 @@ import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
+from html import escape
 from math import inf
 from pathlib import Path
 from typing import Any
@@ -62,8 +63,12 @@ def answer(context: Context, target: str) -> tuple[str | None, str | None, Held 
         file = Path(context.reading.file).resolve()
         if not file.is_file() or read_input(file) != data:
             file = Path(folder) / "robot.urdf"
-            meshes = [one for one in context.once(mesh_names).values() if one.path and "://" not in one.uri]
-            edits = [Edit(use.at.start, use.at.end, str(one.path)) for one in meshes for use in one.uses]
+            edits = [
+                Edit(use.at.start, use.at.end, escape(str(one.path.resolve())))
+                for one in context.once(mesh_names).values()
+                for use in one.uses
+                if one.path is not None and "://" not in one.uri
+            ]
             file.write_bytes(edited(data, edits, context.reading.encoding))
         arguments = target, str(file), json.dumps(packages)
         child = start_python(f"{__name__}:serve", *arguments, folder=folder, stderr=subprocess.DEVNULL)
@@ -77,6 +82,8 @@ def answer(context: Context, target: str) -> tuple[str | None, str | None, Held 
         if not said:
             return installed, f"its process ended with status {child.returncode}", None
         refused, held = json.loads(said)
+        if refused is None and held is None:  # it is there and cannot be imported
+            return None, None, None
         return installed, refused and refused.replace(f"{folder}{os.sep}", ""), held
 
 
@@ -90,6 +97,8 @@ def serve(target: str, file: str, packages: str) -> None:
 
     try:
         held = read(file)
+    except ImportError:
+        pass
     except (Exception, SystemExit) as error:  # the latter is how Drake ends a process
         refused = " ".join(str(error).split())
         with suppress(Exception, SystemExit):
