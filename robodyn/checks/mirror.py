@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import permutations
+from itertools import product as product_of
 from operator import attrgetter
 from statistics import median
+from typing import NamedTuple
 
 import numpy as np
 
+from robodyn.checks.bodies.bodies import shaped
 from robodyn.checks.bodies.masses import behind
 from robodyn.checks.context import Context
 from robodyn.programs.vectors import length, product
@@ -88,20 +92,31 @@ class Plane:
 _file = attrgetter("filename")
 _SAME_PART = 1e-4
 """How far a primitive may be from the place of its mirror image, to tell nothing [m]."""
+_DIGITS, _LEAST_PRODUCT = 1e-9, 1e-3
+"""Of the largest entry: how far numbers are the same, and what products are more than rounding."""
+_FARTHER, _LITTLE = 1.25, 0.1
+_TELL = 2
+"""Things that two links have, and that show their frames turned."""
 _EQUAL = 1e-12
 """Inertias by mass that differ by no more are the same [m^2]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Pair:
-    """Two links, left and right as their names have it, that are where each other's mirror image is; D (3, 3) is the
-    reflection from the axes of the left link to those of the right: x -> D x, det D = -1."""
+    """Two links, left and right as their names have it, and what carries the left one to the right one, each in its own
+    axes: x -> D x + t. Where one stands at the other's mirror image, det D = -1, and t is along the axis of the joint;
+    where both are one part, mounted alike, det D = 1."""
 
     left: Link
     right: Link
     left_joint: Joint
     right_joint: Joint
     D: Floats
+    t: Floats = field(default_factory=lambda: np.zeros(3))
+
+    @property
+    def is_alike(self) -> bool:
+        return float(np.linalg.det(self.D)) > 0
 
     @cached_property
     def part(self) -> Pose | None:
@@ -110,6 +125,8 @@ class Pair:
         are one, of one size: <visual> ones, since others are simplified, or <collision> ones where there are no others.
         Links without meshes are one part if their primitives stand at the same places, and these are not each other's
         images, or both links are fixed, as a sensor that was bought twice."""
+        if self.is_alike:
+            return Pose(self.D, self.t)
         for kind in ("visual", "collision"):
             one, other = ([each for each in link.geometries if each.kind == kind] for link in (self.left, self.right))
             meshes = [[shape for shape in shapes if shape.shape == "mesh"] for shapes in (one, other)]
@@ -130,10 +147,15 @@ class Pair:
                 return None if made_of[0] != made_of[1] or (mirrored and not still) else Pose(np.eye(3), np.zeros(3))
         return None
 
+    def agrees(self, has: Sequence[_Content]) -> bool:
+        """Whether the right link has the image of all that the left one has."""
+        return all(each.agrees(self.D, self.t) for each in has)
+
     @property
     def turned(self) -> Pair:
         """The right link as the image of which the left one is held to be."""
-        return Pair(self.right, self.left, self.right_joint, self.left_joint, self.D.T)
+        back = -product(self.D.T, self.t)
+        return Pair(self.right, self.left, self.right_joint, self.left_joint, self.D.T, back)
 
     def mounts_alike(self, left: Joint, right: Joint, near: float) -> bool:
         """Whether two joints on the links stand where the part on both sides, turned with it, has one."""
@@ -146,7 +168,7 @@ class Pair:
         """The centre of mass [m] and inertia about it [kg m^2] of the left link's mirror image, in the right link's
         axes; or of the part that is mounted on both sides, if the right link is nearer to that."""
         c, I = link_inertia(inertial)
-        image, right = (product(self.D, c), product(self.D, I, self.D.T)), self.right.inertial
+        image, right = (product(self.D, c) + self.t, product(self.D, I, self.D.T)), self.right.inertial
         if right is None or not (right.mass > 0 and inertial.mass > 0):
             return image
         c_right, I_right = link_inertia(right)
@@ -172,6 +194,7 @@ class Symmetry:
         above: the joint that each link hangs on.
         named: the pairs that names propose, left and right; pairs: those that are confirmed, by their right links, in
             the order of these in the file.
+        turned: by link of pairs whose frames are turned against each other the rotation that its joint would have.
     """
 
     plane: Plane
@@ -181,6 +204,7 @@ class Symmetry:
     above: Mapping[str, Joint]
     named: Sequence[Names]
     pairs: Mapping[str, Pair]
+    turned: Mapping[str, Floats]
 
     def directions(self, pair: Pair) -> Iterator[int]:
         """Yield 1 where equal positions of both joints are mirror images, -1 where opposite ones are; else nothing. A
@@ -188,7 +212,10 @@ class Symmetry:
         on both sides equal positions are alike."""
         left, right = (np.array(joint.axis) for joint in (pair.left_joint, pair.right_joint))
         left, right = left / length(left), right / length(right)
-        images = [product(pair.D, left) * (1.0 if pair.left_joint.type == "prismatic" else -1.0)]
+        D = product(self.R[pair.right.name].T, self.plane.H, self.R[pair.left.name])
+        images = [product(D, left) * (1.0 if pair.left_joint.type == "prismatic" else -1.0)]
+        if pair.is_alike:
+            images.append(product(pair.D, left))
         over = self.pairs.get(pair.right_joint.parent)
         if over is not None and over.mounts_alike(pair.left_joint, pair.right_joint, self.near):
             images.append(left)
@@ -208,8 +235,10 @@ def symmetry(context: Context) -> Symmetry | None:
     """What is symmetric about a robot; None where the description cannot be read, or nothing is.
 
     Names propose pairs. A pair is confirmed if at q = 0 each frame's origin is at the mirror image of the other's,
-    within 2e-3 of the robot's size, and the axes of one are the images of the other's but for their names and signs,
-    and if what it hangs on is.
+    within 2e-3 of the robot's size or, where what hangs on it is, along the axis of its joint; and if the axes of one
+    are the images of the other's but for their names and signs, or all that the links have is the image. So is one
+    that hangs alike on a part which is mounted on both sides. Where centre, shapes and joints of a link are the image
+    for other axes, its frame is turned, and what hangs on it is turned back.
     """
     description = None if context.tree_or_none is None else context.description_or_none
     if description is None:
@@ -229,15 +258,113 @@ def symmetry(context: Context) -> Symmetry | None:
     plane = _mirror(named, p, above, near)
     if plane is None:
         return None
-    found = {}
+    found, turned = dict[str, Pair](), dict[str, Floats]()
     for left, right in named:
-        D = product(R[right].T, plane.H, R[left])
-        there = length(plane.image(p[left]) - p[right]) <= near
+        joints = above[left], above[right]
+        below = [each for each in named if (above[each[0]].parent, above[each[1]].parent) == (left, right)]
+        D, t = product(R[right].T, plane.H, R[left]), product(R[right].T, plane.image(p[left]) - p[right])
+        pair, over = Pair(links[left], links[right], *joints, D), found.get(joints[1].parent)
+        has = _contents(context, pair, [(above[one], above[its]) for one, its in below], near)
+        on_pair = over is not None and over.left.name == joints[0].parent
         apart = length(p[left] - p[right]) > near or abs(product(plane.normal, p[left]) - plane.offset) <= near
-        if there and apart and is_square(D):
-            found[left, right] = Pair(links[left], links[right], above[left], above[right], D)
-    confirmed = sorted((found[names] for names in _rooted(found, above)), key=lambda pair: pair.right.line)
-    return Symmetry(plane, R, p, near, above, named, {pair.right.name: pair for pair in confirmed})
+        there, axis = length(t) <= near, np.array(joints[1].axis)
+        if not there and below and joints[1].type in ("revolute", "continuous"):
+            pair = replace(pair, t=t)
+            there = length(np.cross(t, axis)) <= near * length(axis) and pair.agrees(has)
+        if apart and there:
+            if on_pair or joints[0].parent == joints[1].parent:
+                hung = [name for name in outward if _hangs_on(name, right, above)]
+                inside = [names for names in named if names[1] in hung[1:]]
+                pair, back = _by_contents(pair, has, inside, plane, near, R, p)
+                if back is not None:
+                    turned[right] = product(R[joints[1].parent].T, back, R[right])
+                    turned[left] = product(R[joints[0].parent].T, plane.H, R[right], pair.D)
+                    p |= {name: p[right] + product(back, p[name] - p[right]) for name in hung}
+                    R |= {name: product(back, R[name]) for name in hung}
+            if is_square(pair.D) or (len(has) >= _TELL and pair.agrees(has)):
+                found[right] = pair
+        elif over is not None and on_pair and over.mounts_alike(*joints, near) and over.part is not None:
+            turns = [placement(joint.origin)[0] for joint in joints]
+            found[right] = replace(pair, D=product(turns[1].T, over.part.R, turns[0]), t=np.zeros(3))
+    confirmed = sorted(found.values(), key=lambda pair: pair.right.line)
+    return Symmetry(plane, R, p, near, above, named, {pair.right.name: pair for pair in confirmed}, turned)
+
+
+def _hangs_on(name: str, other: str, above: Mapping[str, Joint]) -> bool:
+    while name != other and name in above:
+        name = above[name].parent
+    return name == other
+
+
+_SQUARE = [
+    np.eye(3)[list(order)] * signs for order in permutations(range(3)) for signs in product_of((1, -1), repeat=3)
+]
+_ROTATIONS, _REFLECTIONS = ([D for D in _SQUARE if np.linalg.det(D) * sign > 0] for sign in (1, -1))
+"""Those that carry axes to axes."""
+
+
+class _Content(NamedTuple):
+    """A point of two twins and how near they must be [m]; and second moments about it, of bodies."""
+
+    left: Floats
+    right: Floats
+    near: float
+    S: Floats | None = None
+    S_right: Floats | None = None
+
+    def agrees(self, D: Floats, t: Floats) -> bool:
+        moments = self.S is None or self.S_right is None or _apart(product(D, self.S, D.T), self.S_right) <= MOMENTS
+        return moments and length(product(D, self.left) + t - self.right) <= self.near
+
+
+def _contents(context: Context, pair: Pair, joints: Sequence[tuple[Joint, Joint]], near: float) -> list[_Content]:
+    """What two links have: mass, the solid of their shapes, and joints that hang on them."""
+    both = pair.left, pair.right
+    found = [_Content(np.array(one.origin.xyz), np.array(its.origin.xyz), near) for one, its in joints]
+    one, other = (each.inertial for each in both)
+    if one is not None and other is not None and one.mass > 0 and other.mass > 0:
+        (c, I), (c_right, I_right) = link_inertia(one), link_inertia(other)
+        found.append(_Content(c, c_right, _shift(I / one.mass), I / one.mass, I_right / other.mass))
+    solids = [context.once(shaped).get(each.name) for each in both]
+    if solids[0] is not None and solids[1] is not None:
+        solid, its = solids[0].solid, solids[1].solid
+        found.append(_Content(solid.c, its.c, MOMENTS * solid.spread**0.5 + _FLOOR, solid.S, its.S))
+    return found
+
+
+def _by_contents(
+    pair: Pair,
+    has: Sequence[_Content],
+    inside: Sequence[Names],
+    plane: Plane,
+    near: float,
+    R: Mapping[str, Floats],
+    p: Mapping[str, Floats],
+) -> tuple[Pair, Floats | None]:
+    """The pair as what its links have tells: as it is, one part mounted on both sides, or with the right frame turned
+    back, by the rotation that is given: then more of what it carries is the image of what the other does, or all of it
+    if it may be one part."""
+    left, right = pair.left.name, pair.right.name
+    S, rotation = (
+        _other_axes(pair, has, among) if among is _REFLECTIONS or is_square(pair.D) else None
+        for among in (_REFLECTIONS, _ROTATIONS)
+    )
+    if S is not None:
+        back = product(plane.H, R[left], S.T, R[right].T)
+        steps = [(plane.image(p[one]) - p[right], p[its] - p[right]) for one, its in inside]
+        now, then = (sum(length(to - product(Q, step)) <= near for to, step in steps) for Q in (np.eye(3), back))
+        if now < then if inside and rotation is None else then == len(inside) and (inside or rotation is None):
+            return replace(pair, D=S), back
+    return (pair if rotation is None else replace(pair, D=rotation)), None
+
+
+def _other_axes(pair: Pair, has: Sequence[_Content], among: Sequence[Floats]) -> Floats | None:
+    """Which of these carries all that one link has to what its twin has, being nearest to the one that is there, where
+    two things are not carried so by this one."""
+    if sum(not each.agrees(pair.D, pair.t) for each in has) < _TELL:
+        return None
+    fit = [D for D in among if replace(pair, D=D).agrees(has)]
+    return max(fit, key=lambda D: float((D * pair.D).sum()), default=None)
 
 
 def _mirror(named: Sequence[Names], p: Mapping[str, Floats], above: Mapping[str, Joint], near: float) -> Plane | None:
@@ -335,7 +462,17 @@ class Twins:
     @property
     def most_shift(self) -> float:
         """A tenth of the radius of gyration, and 1 mm at least [m]."""
-        return MOMENTS * float(np.sqrt(max(np.trace(self.I_right), np.trace(self.I), 0.0) / 2.0)) + _FLOOR
+        return max(_shift(self.I), _shift(self.I_right))
+
+    @property
+    def wrong_signs(self) -> list[str]:
+        """The products that have the other sign, where all else is the image to the last digits."""
+        size = float(np.abs(self.I_right).max())
+        if self.shift > _SAME_PART or np.abs(np.abs(self.I) - np.abs(self.I_right)).max() > _DIGITS * size:
+            return []
+        places = {"ixy": (0, 1), "ixz": (0, 2), "iyz": (1, 2)}
+        least = -((_LEAST_PRODUCT * size) ** 2)
+        return [name for name, at in places.items() if float(self.I[at] * self.I_right[at]) < least]
 
     @property
     def centre_is_copied(self) -> bool:
@@ -346,15 +483,41 @@ class Twins:
 
 
 def twins(context: Context) -> tuple[Twins, ...]:
-    """Return the pairs of which both links have mass. From stage MODEL on."""
+    """Return the pairs of which both links have mass, and each turned round: the left link stands for the right one;
+    but one alone where the inertial of the one link is farther from the solid of its shapes. From stage MODEL on."""
     found = []
     for pair in context.once(pairs):
-        left, right = pair.left.inertial, pair.right.inertial
-        link = context.view.link[pair.right.name]
-        if left is not None and right is not None and link.inertial is not None and left.mass > 0 and right.mass > 0:
-            (c, I), (c_right, I_right), masses = pair.reflected(left), link_inertia(right), (left.mass, right.mass)
-            found.append(Twins(pair, link, link.inertial, masses, c, I / left.mass, c_right, I_right / right.mass))
+        left, right = (_from_shapes(context, link) for link in (pair.left, pair.right))
+        ways = [pair, pair.turned]
+        if left is not None and right is not None:
+            ways = [
+                way
+                for way, near, far in ((pair, left, right), (pair.turned, right, left))
+                if near <= _FARTHER * far + _LITTLE
+            ]
+        found += [one for way in ways if (one := _twins(context, way)) is not None]
     return tuple(found)
+
+
+def _twins(context: Context, pair: Pair) -> Twins | None:
+    left, right, link = pair.left.inertial, pair.right.inertial, context.view.link[pair.right.name]
+    if left is None or right is None or link.inertial is None or not (left.mass > 0 and right.mass > 0):
+        return None
+    (c, I), (c_right, I_right), masses = pair.reflected(left), link_inertia(right), (left.mass, right.mass)
+    return Twins(pair, link, link.inertial, masses, c, I / left.mass, c_right, I_right / right.mass)
+
+
+def _from_shapes(context: Context, link: Link) -> float | None:
+    """How far centre and inertia of a link are from those of the solid of its shapes, relative to its size."""
+    shape = context.once(shaped).get(link.name)
+    if shape is None or link.inertial is None or not link.inertial.mass > 0:
+        return None
+    c, I = link_inertia(link.inertial)
+    return length(c - shape.solid.c) / float(np.sqrt(shape.solid.spread)) + shape.solid.apart(I, link.inertial.mass)
+
+
+def _shift(I: Floats) -> float:
+    return MOMENTS * float(np.sqrt(max(np.trace(I), 0.0) / 2.0)) + _FLOOR
 
 
 def _apart(one: Floats, other: Floats) -> float:

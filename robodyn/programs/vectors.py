@@ -154,12 +154,21 @@ def rotation_from_rpy(roll: float, pitch: float, yaw: float) -> Floats:
     """URDF's fixed-axis rotation Rz(yaw) Ry(pitch) Rx(roll) [rad].
 
     Entries within one rounding of 0, 1 or -1 are made exact: a right angle written as 1.5707963267948966 is then a
-    permutation of axes, and a recursion that folds zeros and ones sees it. No angle is ever recovered from the matrix,
-    so the gimbal is no special case.
+    permutation of axes, and a recursion that folds zeros and ones sees it.
 
     Accuracy: each entry within 4 eps.
     """
     return _rotation(roll, pitch, yaw).copy()
+
+
+def rpy_from_rotation(R: Floats) -> tuple[float, float, float]:
+    """Return roll, pitch and yaw of a rotation; where the pitch is a right angle, one of many.
+
+    Accuracy: `rotation_from_rpy` gives the rotation back within 8 eps.
+    """
+    yaw = math.atan2(R[1, 0], R[0, 0])
+    left = product(rotation_from_rpy(0.0, 0.0, -yaw), R)
+    return math.atan2(-left[1, 2], left[1, 1]), math.atan2(-left[2, 0], left[0, 0]), yaw
 
 
 @lru_cache(maxsize=4096)

@@ -5,20 +5,19 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import replace
-from math import atan2, isfinite
+from math import isfinite
 from typing import Any
 
 import numpy as np
 
 from robodyn.errors import InputError, SceneError
-from robodyn.programs.vectors import product, rotation_from_rpy
+from robodyn.programs.vectors import product, rotation_from_rpy, rpy_from_rotation
 from robodyn.robot.model import Model
 from robodyn.robot.urdf.description import Strict
 from robodyn.robot.urdf.document import Element, read_document
 from robodyn.robot.urdf.parts import ZERO, Description, Vector
 from robodyn.robot.urdf.view import numbers
 from robodyn.scene.scene import DEFAULT, GROUND, Contact, Loop, Scene
-from robodyn.support.floats import Floats
 from robodyn.support.wording import alternatives, shown
 
 
@@ -242,18 +241,8 @@ def _loop(element: Element, name: str, links: Collection[str], strict: Strict) -
         axes.append((x, y, z))
     more: dict[str, Any] = {"axis": axes[1], "to_axis": axes[0]} if kind == "hinge" else {}
     if kind == "weld":
-        more = {"rpy": _rpy(product(turns[0], turns[1].T))}
+        more = {"rpy": rpy_from_rotation(product(turns[0], turns[1].T))}
     return Loop(name, child, points[1], parent, points[0], kind, **more)
-
-
-def _rpy(R: Floats) -> Vector:
-    """Return roll, pitch and yaw of a rotation; where the pitch is a right angle, one of many.
-
-    Accuracy: `rotation_from_rpy` gives the rotation back within 8 eps.
-    """
-    yaw = atan2(R[1, 0], R[0, 0])
-    left = product(rotation_from_rpy(0.0, 0.0, -yaw), R)
-    return atan2(-left[1, 2], left[1, 1]), atan2(-left[2, 0], left[0, 0]), yaw
 
 
 def constraints(description: Description) -> list[Element]:

@@ -34,6 +34,8 @@ _ALIKE = 0.1
 """Sides of the boxes of two meshes of one part differ by less: one may be simplified."""
 _ASIDE, _LEAST = 0.15, 0.01
 """Of the size of a shape, and in metres: as far the collision shape is away at least."""
+_TOGETHER, _NEARER = 0.03, 4.0
+"""Of the size of a mesh: corners of the box around what fits; and how many times farther those of what does not are."""
 _APART = 0.5
 """Of the larger of two different shapes: a gap as wide is between them."""
 _OTHER, _OWN = 0.8, 0.5
@@ -83,11 +85,33 @@ def misfits(context: Context) -> tuple[Misfit, ...]:
         one = _Link(link, felt, seen, box_of(felt, known, STILL), visual(link), known)
         own, box = one.seen_box, one.felt_box
         corners = [] if own is None or box is None else [length(own.lo - box.lo), length(own.hi - box.hi)]
+        lost = _origin_lost(one)
+        if lost is not None:
+            found.append(lost)
+            continue
         if own is not None and corners and len(felt) == 1 and max(corners) <= max(_ASIDE * size_of(own), _LEAST):
             continue
         others = _foreign(one, visual, context), _aside(one), _scaled(one), _enormous(one, context), _exchanged(one)
         found += islice(chain(*others, _away(one), _unlike(one)), 1)
     return tuple(found)
+
+
+def _origin_lost(one: _Link) -> Misfit | None:
+    """One mesh each for both, which fit each other where they have the same origin, and as it stands are apart."""
+    if len(one.felt) != 1 or len(one.seen) != 1 or not {one.felt[0], one.seen[0]} <= one.known.keys():
+        return None
+    felt, seen = one.known[one.felt[0]], one.known[one.seen[0]]
+    places = felt.along_link, Solid(felt.box, seen.pose).along_link
+    own = seen.along_link
+    now, then = (max(length(own.lo - box.lo), length(own.hi - box.hi)) for box in places)
+    if (
+        now <= _LEAST
+        or then > min(_TOGETHER * size_of(own), now / _NEARER)
+        or {one.felt[0].tag, one.seen[0].tag} != {"mesh"}
+    ):
+        return None
+    what = f"its collision mesh is not where its visual is, but up to {now:.3g} m from there"
+    return Misfit(one.felt[0], what, "give both the same <origin>", now, _LEAST)
 
 
 def _foreign(one: _Link, visual: Callable[[LinkView], Box | None], context: Context) -> Iterator[Misfit]:

@@ -4,9 +4,16 @@ from __future__ import annotations
 
 from math import degrees, hypot
 
+import numpy as np
+
+from robodyn.checks.bodies.bodies import shaped
+from robodyn.checks.bodies.contacts import rest_poses
 from robodyn.checks.examples import LIMIT, arm, longer_arm
-from robodyn.checks.rule import Context, Edit, Fault, Faults, Fix, Severity, rule
+from robodyn.checks.meshes.files import reach
+from robodyn.checks.rule import Context, Edit, Fault, Faults, Fix, Severity, Stage, rule
 from robodyn.checks.rules.ranges import of_numbers
+from robodyn.programs.linear import eigen
+from robodyn.programs.vectors import length, product
 from robodyn.robot.urdf.description import cycles
 from robodyn.robot.urdf.document import unexpanded
 from robodyn.robot.urdf.parts import WITH_AXIS, WITH_RANGE
@@ -38,13 +45,13 @@ def axis_length(context: Context) -> Faults:
         axis = joint.axis.values
         if joint.type not in WITH_AXIS or axis is None or not any(axis):
             continue
-        length = hypot(*axis)
-        if abs(length - 1) > bound:
-            what, at, largest = f"the axis has the length {length:.6g}, not 1", joint.axis.span, max(map(abs, axis))
+        size = hypot(*axis)
+        if abs(size - 1) > bound:
+            what, at, largest = f"the axis has the length {size:.6g}, not 1", joint.axis.span, max(map(abs, axis))
             unit = [x / largest / hypot(*(x / largest for x in axis)) for x in axis]  # in two steps, lest it overflow
             edit = Edit(at.start, at.end, " ".join(map(repr, unit)))
             fix = Fix("divide the axis by its length", (edit,), safe=True)
-            yield Fault(at, what, "divide it by its length", length, 1.0, fix=fix)
+            yield Fault(at, what, "divide it by its length", size, 1.0, fix=fix)
 
 
 @rule("RD505", Severity.ERROR, good=arm(), bad=arm('<axis xyz="0 1 0"/>'))
@@ -247,3 +254,55 @@ def turning_slide(context: Context) -> Faults:
                 f"radians that is {degrees(size):.3g} degrees at {degrees(speed):.3g} a second"
             )
             yield Fault(value_span(joint.element, "type"), what, 'write type="prismatic" if it slides', size, _RANGE)
+
+
+_ONE_LINE, _OF_REACH, _PARALLEL, _ACROSS = 1e-3, 1e-2, 0.9998, 0.1
+"""Metres, of the robot's longest offset, and cosines of angles between axes."""
+_FLAT, _ROUND, _CENTRED = 0.5, 0.02, 0.05
+"""Of a disc: its least second moment over the largest, how far the other two differ, and how far its centre is from
+the joint, by its radius of gyration. Of 3370 pairs of joints and 120 such parts of published robots none is found."""
+_TURNING = ("revolute", "continuous")
+
+
+@rule(
+    "RD517",
+    Severity.WARNING,
+    Stage.TREE,
+    good=longer_arm(inside=f'<origin xyz="0 0 0.3"/><axis xyz="0 1 0"/>{LIMIT}'),
+    bad=longer_arm(inside=f'<origin xyz="0 0.3 0"/><axis xyz="0 1 0"/>{LIMIT}'),
+)
+def idle_axis(context: Context) -> Faults:
+    """A joint turns about another line than the one before it, and a disc about its own axis.
+
+    Two joints in a row about one line, with nothing else on the body between them, do what one does: a robot has no
+    such pair, and one of the two axes is wrong, or the rpy of an origin is, which was lost perhaps. Nor has it a wheel
+    or a flange that turns about a line across its disc: a last part whose uniform solid is flat and round, with its
+    centre in the axis of its joint.
+    """
+    tree, poses, shapes = context.tree, context.once(rest_poses), context.once(shaped)
+    lines, near = {}, min(_ONE_LINE, _OF_REACH * reach(context))
+    for group in tree.groups:
+        joint = group.joint
+        axis = None if joint is None or joint.type not in _TURNING else joint.axis.or_default(1.0, 0.0, 0.0)
+        if joint is None or axis is None or not any(axis) or joint.child not in poses:
+            continue
+        unit = np.array(axis) / hypot(*axis)
+        lines[group] = product(poses[joint.child].R, unit), poses[joint.child].p
+        above, shape = group.parent, shapes.get(joint.child)
+        if above in lines and above is not None and above.joint is not None and len(above.children) == 1:
+            (a, p), (b, q) = lines[above], lines[group]
+            if abs(product(a, b)) >= _PARALLEL and length(np.cross(a, q - p)) <= near:
+                for one, other in ((joint, above.joint), (above.joint, joint)):
+                    what = (
+                        f"it turns about the line of joint {shown(other.name)}, next to it: one of the two does nothing"
+                    )
+                    at = one.element.span if one.axis.element is None else one.axis.span
+                    yield Fault(at, what, "check the axes of both, and the rpy of the outer one")
+        if shape is not None and not group.children:
+            moments, axes = eigen(shape.solid.S)
+            across = shape.solid.c - axes[2] * product(axes[2], shape.solid.c)
+            disc = moments[2] <= _FLAT * moments[0] and moments[0] - moments[1] <= _ROUND * moments[0]
+            if disc and length(across) <= _CENTRED * shape.solid.spread**0.5 and abs(product(axes[2], unit)) <= _ACROSS:
+                own = " ".join(f"{x + 0.0:.2g}" for x in np.round(axes[2], 3).tolist())
+                what = f"it turns about {' '.join(f'{x:g}' for x in axis)}, but its part is a disc about {own}"
+                yield Fault(joint.axis.span, what, f'write <axis xyz="{own}"/>, if it turns in its plane')

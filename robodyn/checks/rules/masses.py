@@ -31,9 +31,10 @@ from robodyn.checks.examples import (
     one_link,
     two_arms,
 )
-from robodyn.checks.mirror import pairs
+from robodyn.checks.mirror import named_pairs, pairs
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.checks.rules.inertia_mistakes import explained
+from robodyn.programs.vectors import length
 from robodyn.robot.base_guess import untouched
 from robodyn.robot.urdf.parts import INERTIA as ENTRIES
 from robodyn.robot.urdf.view import LinkView
@@ -414,7 +415,10 @@ def placeholder_tensor(context: Context) -> Faults:
         twin = first_with.setdefault(tensor, link)
         pattern = _pattern(tensor)
         unlike = twin.mass and not isclose(twin.mass, link.mass, rel_tol=0.1)
-        if pattern is None and twin.mass and unlike and frozenset((link.name, twin.name)) not in mirrored:
+        paired = frozenset((link.name, twin.name)) in mirrored
+        if pattern is None and not paired and _pasted(context, link, twin):
+            pattern = f"mass, centre and inertia are those of link '{twin.name}', which has other shapes"
+        if pattern is None and twin.mass and unlike and not paired:
             pattern = (
                 f"the same six numbers as link '{twin.name}', whose mass is {twin.mass:g} kg and not {link.mass:g}"
             )
@@ -427,6 +431,18 @@ def placeholder_tensor(context: Context) -> Faults:
             remedy = "write the inertia of the part; robodyn inertia computes it from its mesh"
             severity = Severity.NOTE if small else Severity.WARNING
             yield Fault(inertial.entries[0].span, what, remedy, tensor[0], severity=severity)
+
+
+def _pasted(context: Context, link: LinkView, other: LinkView) -> bool:
+    """Whether a link has the mass, the centre and the inertia, with three products, of one whose shapes are others."""
+    known = {} if context.tree_or_none is None else context.once(shaped)
+    if link.inertial is None or other.inertial is None or not {link.name, other.name} <= known.keys():
+        return False
+    one, its = known[link.name].solid, known[other.name].solid
+    alike = isclose(one.volume, its.volume, rel_tol=0.1) and length(one.c - its.c) <= 0.1 * one.spread**0.5
+    same = link.mass == other.mass and link.inertial.origin.xyz.values == other.inertial.origin.xyz.values
+    products = all((link.tensor or (0.0,) * 6)[k] for k in (1, 2, 4))
+    return same and products and not alike and link is not other and not [*named_pairs([link.name, other.name])]
 
 
 def _pattern(tensor: tuple[float, ...]) -> str | None:

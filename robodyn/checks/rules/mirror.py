@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Sequence
 from itertools import combinations
-from math import isclose, pi
+from math import acos, degrees, isclose, pi, radians
 
 import numpy as np
 
-from robodyn.checks.bodies.masses import POINT, broken_law, principal_moments
-from robodyn.checks.examples import ARM_LIMIT, IMAGE, TENSOR, two_arms, two_elbows
-from robodyn.checks.mirror import MASS, MOMENTS, Pair, Symmetry, Twins, is_square, symmetry, twins
+from robodyn.checks.bodies.bodies import box_of, outside, real_shapes, size_of, solids
+from robodyn.checks.bodies.masses import POINT, STILL, broken_law, principal_moments
+from robodyn.checks.examples import ARM_LIMIT, IMAGE, ORIGIN, ORIGIN_IMAGE, TENSOR, two_arms, two_elbows
+from robodyn.checks.meshes.files import mesh_names
+from robodyn.checks.mirror import MASS, MOMENTS, Pair, Symmetry, Twins, is_square, named_pairs, symmetry, twins
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.checks.rules.inertia_mistakes import causes
-from robodyn.programs.vectors import length, product, rotation_from_rpy
-from robodyn.robot.urdf.parts import WITH_RANGE, Joint, Limit
-from robodyn.robot.urdf.view import JointView, LimitView, value_span
+from robodyn.programs.vectors import length, product, rotation_from_rpy, rpy_from_rotation
+from robodyn.robot.kinematics import Pose
+from robodyn.robot.urdf.parts import INERTIA, WITH_RANGE, Joint, Limit, Link
+from robodyn.robot.urdf.view import JointView, LimitView, LinkView, value_span
+from robodyn.solids.inertia.validity import Box
 from robodyn.support.floats import Floats
-from robodyn.support.wording import figure, place, shown
+from robodyn.support.wording import figure, place, shown, shown_path
 
 _ONE_OF_TWO = "correct the one of the two that is wrong, or allow it where the {} differ"
 _FACTORS = (
@@ -48,6 +53,7 @@ named.""",
 )
 def mirror_mass(context: Context) -> Faults:
     """A left link weighs what the right one does."""
+    judged = {one.link.name for one in context.once(twins)}
     for one in context.once(twins):
         left, right = one.masses
         if abs(left - right) <= MASS * max(left, right):
@@ -55,16 +61,13 @@ def mirror_mass(context: Context) -> Faults:
         ratio = max(left, right) / min(left, right)
         named = (factor for factor in _FACTORS if isclose(ratio, factor[0], rel_tol=_EXACT))
         _, unit, how = next(named, (1.0, False, None))
-        is_left = unit and left > right
-        link = context.view.link[one.pair.left.name] if is_left else one.link
-        assert link.inertial is not None, "it has mass"
-        mass, its = (left, right) if is_left else (right, left)
-        twin = f"{shown(one.pair.right.name)} (line {one.pair.right.line})" if is_left else one.other
+        if unit and left > right and one.pair.left.name in judged:
+            continue
         apart = figure(100 * abs(left - right) / max(left, right), 2)
-        what = f"the mass is {mass:g} kg, that of its mirror twin {twin} {its:g} kg, {apart} % apart"
-        cause = None if how is None else f"{'it' if mass > its else 'that of the twin'} is {how}"
-        remedy = f"correct it, to {its:g} kg if the parts are alike" if unit else _ONE_OF_TWO.format("parts")
-        yield Fault(link.inertial.mass.span, what, remedy, mass, its, cause=cause)
+        what = f"the mass is {right:g} kg, that of its mirror twin {one.other} {left:g} kg, {apart} % apart"
+        cause = None if how is None else f"{'it' if right > left else 'that of the twin'} is {how}"
+        remedy = f"correct it, to {left:g} kg if the parts are alike" if unit else _ONE_OF_TWO.format("parts")
+        yield Fault(one.inertial.mass.span, what, remedy, right, left, cause=cause, kind="the masses of twins")
 
 
 @rule(
@@ -103,6 +106,7 @@ def _unexplained(context: Context, one: Twins) -> bool:
     return not points and not any(broken_law(each.inertia, context.thresholds) for each in both)
 
 
+_IMAGE = "the mirror image of that"
 _REFLECT = "reflect the one of the two that is wrong, or allow it where one part is mounted on both sides"
 
 
@@ -118,17 +122,26 @@ def mirror_image(context: Context) -> Faults:
     to RD313 name it instead, and where no body can have one of the two, RD204, RD206 or RD207 do.
     """
     for one in context.once(twins):
-        cause = context.once(causes).get(one.link.name)
-        reported = cause is not None and cause.code == "RD313" and one.centre_is_copied
+        both = (context.once(causes).get(each.name) for each in (one.pair.left, one.pair.right))
+        reported = one.centre_is_copied and any(each is not None and each.code == "RD313" for each in both)
         if one.shift > one.most_shift and not reported:
             origin = one.inertial.origin
             copied = "one is a copy of the other that is not reflected" if one.centre_is_copied else None
             what = (
-                f"the centre of mass is at {place(one.c_right.tolist())} m, the mirror image of that of {one.other} at "
-                f"{place(one.c.tolist())}, {one.shift:.3g} m away"
+                f"the centre of mass is at {place(one.c_right.tolist())} m, "
+                f"{'that' if one.pair.is_alike else _IMAGE} of {one.other} at {place(one.c.tolist())}, "
+                f"{one.shift:.3g} m away"
             )
             at = one.inertial.element.span if origin.element is None else origin.xyz.span
             yield Fault(at, what, _REFLECT, one.shift, one.most_shift, cause=copied)
+        wrong = one.wrong_signs
+        if wrong and one.tensors_apart <= MOMENTS and not reported:
+            what = (
+                f"{' and '.join(wrong)} {'has' if len(wrong) == 1 else 'have'} not the sign of the mirror image of "
+                f"{one.other}, although all else of the two is its image to the last digit"
+            )
+            at = one.inertial.entries[INERTIA.index(wrong[0])].span
+            yield Fault(at, what, _REFLECT, one.tensors_apart, 0.0)
         apart = one.tensors_apart
         if apart > MOMENTS >= one.apart(*one.moments) and _unexplained(context, one):
             what = (
@@ -184,41 +197,42 @@ def mirror_joint(context: Context) -> Faults:
     as RD401 says. Ranges that RD503, RD504 or RD507 report are not compared.
     """
     found = context.once(symmetry)
-    for pair in () if found is None else found.pairs.values():
+    for pair in () if found is None else (way for each in found.pairs.values() for way in (each, each.turned)):
         assert found is not None, "it has pairs"
         left, right = pair.left_joint, pair.right_joint
         view, twin = context.view.joint[right.name], f"{shown(left.name)} (line {left.line})"
         at = view.element.span if view.axis.element is None else view.axis.span
         if left.type != right.type:
-            one, other = (left, right) if left.type == "fixed" else (right, left)
-            what = f"it is {one.type}, but its mirror twin {shown(other.name)} (line {other.line}) is {other.type}"
-            yield Fault(value_span(context.view.joint[one.name].element, "type"), what, _CORRECT_JOINT)
+            if left.type != "fixed":
+                what = f"it is {right.type}, but its mirror twin {twin} is {left.type}"
+                yield Fault(value_span(view.element, "type"), what, _CORRECT_JOINT)
         elif left.type in ("revolute", "continuous", "prismatic"):
             ways = set(found.directions(pair))
-            if not ways:
+            if not ways and is_square(pair.D):
                 what = f"the axis is not parallel to the mirror image of that of its twin {twin}"
                 yield Fault(at, what, _CORRECT_JOINT)
-            elif len(ways) == 1 and view.limit is not None:
-                yield from _range(pair, view.limit, ways.pop(), twin)
+            elif ways and view.limit is not None:
+                yield from _range(pair, view.limit, sorted(ways), twin)
             yield from _magnitudes(pair, view, twin)
 
 
-def _range(pair: Pair, limit: LimitView, direction: int, twin: str) -> Faults:
+def _range(pair: Pair, limit: LimitView, ways: Sequence[int], twin: str) -> Faults:
     kind, left, right = pair.left_joint.type, pair.left_joint.limit, pair.right_joint.limit
     if kind not in WITH_RANGE or not (_is_plain(left, kind) and _is_plain(right, kind)):
         return
     (low, high), here = _ends(left), _ends(right)
-    image = (low, high) if direction > 0 else (0.0 - high, 0.0 - low)
+    images = [(low, high) if way > 0 else (0.0 - high, 0.0 - low) for way in ways]
     slack = _LIMIT * max(1.0, abs(high - low))
-    off = [abs(value - wanted) for value, wanted in zip(here, image, strict=True)]
+    offs = [[abs(value - wanted) for value, wanted in zip(here, image, strict=True)] for image in images]
+    off = min(offs, key=max)
     if max(off) <= slack:
         return
-    k = off.index(max(off))
+    k, image = off.index(max(off)), images[offs.index(off)]
     what = (
-        f"the range is {here[0]:g} to {here[1]:g}, the mirror image of that of its twin {twin} {image[0]:g} to "
-        f"{image[1]:g}"
+        f"the range is {here[0]:g} to {here[1]:g}, {_IMAGE if len(ways) == 1 else 'that'} of its twin {twin} "
+        f"{image[0]:g} to {image[1]:g}"
     )
-    copied = direction < 0 and max(abs(here[0] - low), abs(here[1] - high)) <= slack
+    copied = ways == [-1] and max(abs(here[0] - low), abs(here[1] - high)) <= slack
     cause = "the ranges are equal, but the axes ask for a change of sign" if copied else None
     at = (limit.lower, limit.upper)[k]
     yield Fault(at.span, what, _CORRECT_JOINT, here[k], image[k], cause=cause)
@@ -268,11 +282,16 @@ def mirror_origin(context: Context) -> Faults:
     for link in reversed(context.tree.links[1:]):
         if link.name in heavy or (link.mass or 0.0) > _LIGHT:
             heavy |= {link.name, found.above[link.name].parent}
-    for left, right in found.named:
+    for left, right in (way for names in found.named for way in (names, names[::-1])):
         joints = found.above[left], found.above[right]
         over = [joint.parent for joint in joints]
-        pair = found.pairs.get(over[1])
-        if right in found.pairs or not all(joint.type != "fixed" or joint.child in heavy for joint in joints):
+        pair = found.pairs.get(over[1]) or found.pairs.get(over[0])
+        pair = pair if pair is None or pair.right.name == over[1] else pair.turned
+        if right in found.turned:
+            yield _turned(context.view.joint[joints[1].name], *joints, found.turned[right])
+        if {left, right} & found.pairs.keys() or not all(
+            joint.type != "fixed" or joint.child in heavy for joint in joints
+        ):
             continue
         if over[0] == over[1] and length(found.plane.image(found.p[over[0]]) - found.p[over[0]]) <= found.near:
             pair = None
@@ -280,6 +299,19 @@ def mirror_origin(context: Context) -> Faults:
             continue
         if pair is None or not pair.mounts_alike(*joints, found.near):
             yield from _misplaced(found, *joints, context.view.joint[joints[1].name])
+
+
+def _turned(view: JointView, left: Joint, right: Joint, wanted: Floats) -> Fault:
+    """The right joint's frame is turned from the one for which all that its link has is the left one's image."""
+    cosine = (float(np.trace(product(rotation_from_rpy(*right.origin.rpy).T, wanted))) - 1.0) / 2.0
+    by = degrees(acos(min(1.0, max(-1.0, cosine))))
+    what = (
+        f"it is turned by {by:.3g} degrees from the mirror image of its twin {shown(left.name)} (line {left.line}): "
+        "turned back, centres and joints of what it carries are the images of the twin's"
+    )
+    rpy = " ".join(f"{angle + 0.0:.6g}" for angle in np.round(rpy_from_rotation(wanted), 9).tolist())
+    at = view.element.span if view.origin.element is None else view.origin.rpy.span
+    return Fault(at, what, f'write rpy="{rpy}" if the twin is right, or turn that one', radians(by), 0.0)
 
 
 def _misplaced(found: Symmetry, left: Joint, right: Joint, view: JointView) -> Faults:
@@ -314,3 +346,87 @@ def _flips(values: tuple[float, ...], names: Sequence[str]) -> Iterator[tuple[st
             flipped = np.array(values)
             flipped[list(chosen)] *= -1.0
             yield " and ".join(names[k] for k in chosen), flipped
+
+
+_OFF, _LEAST_OFF = 0.15, 0.01
+"""Of the size of the box around the shapes, and in metres."""
+_ARMS = two_arms()
+for _at in (ORIGIN, ORIGIN_IMAGE):
+    _shape = f'<collision>{_at}<geometry><cylinder radius="0.05" length="0.2"/></geometry></collision>'
+    _ARMS = _ARMS.replace(f"<inertial>{_at}", f"{_shape}<inertial>{_at}")
+
+
+@rule(
+    "RD406",
+    Severity.WARNING,
+    Stage.MODEL,
+    good=_ARMS,
+    bad=_ARMS.replace('"0.05"', '"0.1"', 1),
+    explains=("RD301", "RD302", "RD306", "RD312", "RD403"),
+)
+def mirror_shapes(context: Context) -> Faults:
+    """A left link has the shapes of the right one, and not its mesh.
+
+    Of the <visual> shapes and of the <collision> shapes of twins, found as RD401 says, the boxes around them are each
+    other's mirror image, or that of one part mounted on both sides, within 15 % of their size and 1 cm; and where the
+    one has some, so has the other. Where one link's <visual> and <collision> shapes are farther from each other than
+    those of its twin, it is the wrong one. A mesh for both whose file says left or right, and has a counterpart beside
+    it, is one of them too often.
+    """
+    yield from _mesh_of_the_other(context)
+    known, found = context.once(solids), context.once(symmetry)
+    for pair in () if found is None else (way for each in found.pairs.values() for way in (each, each.turned)):
+        link, twin = context.view.link[pair.right.name], context.view.link[pair.left.name]
+        other = f"{shown(twin.name)} (line {twin.element.line})"
+        for kind in ("visual", "collision"):
+            shapes, its = ([shape for shape in real_shapes(each) if shape.kind == kind] for each in (link, twin))
+            box, image = box_of(shapes, known, STILL), box_of(its, known, STILL)
+            if its and not shapes:
+                what = f"it has no <{kind}>, and its mirror twin {other} has one"
+                yield Fault(link.name_span, what, f"write its <{kind}>, or allow it where the parts differ")
+            if box is None or image is None or not is_square(pair.D) or not _around_centre(pair.left, image):
+                continue
+            ways = [Pose(pair.D, pair.t)] + ([pair.part] if pair.part is not None else [])
+            off = min(_corners(box, image.placed(*way)) for way in ways)
+            if off > max(_OFF * size_of(box), _LEAST_OFF) and _more_apart(context, link, twin):
+                what = f"its <{kind}> shapes are up to {off:.3g} m from the mirror image of those of {other}"
+                yield Fault(shapes[0].element.span, what, _ONE_OF_TWO.format("shapes"), off, _OFF * size_of(box))
+
+
+def _around_centre(link: Link, box: Box) -> bool:
+    return link.inertial is None or outside(box, np.array(link.inertial.origin.xyz)) <= _LEAST_OFF
+
+
+def _corners(box: Box, other: Box) -> float:
+    return max(length(box.lo - other.lo), length(box.hi - other.hi))
+
+
+def _more_apart(context: Context, link: LinkView, twin: LinkView) -> bool:
+    """Whether what collides is farther from what is seen than in the twin, or that is not known."""
+    apart, known = list[float](), context.once(solids)
+    for each in (link, twin):
+        shapes = ([shape for shape in real_shapes(each) if shape.kind == kind] for kind in ("visual", "collision"))
+        boxes = [box for one in shapes if (box := box_of(one, known, STILL)) is not None]
+        apart += [_corners(*boxes)] if len(boxes) == 2 else []
+    return len(apart) < 2 or apart[0] > apart[1] + _LEAST_OFF
+
+
+def _mesh_of_the_other(context: Context) -> Faults:
+    """Yield the meshes of two links whose file is that of one of them, with one for the other beside it."""
+    files, view = context.once(mesh_names), context.view
+    for names in named_pairs(list(view.link)):
+        meshes = [[shape for shape in view.link[name].geometries if shape.uri in files] for name in names]
+        for shape in meshes[0] + meshes[1]:
+            path = files[shape.uri].path
+            if path is None or any(
+                shape.uri not in [each.uri for each in its if each.kind == shape.kind] for its in meshes
+            ):
+                continue
+            if all(path.stem.lower() in name.lower() for name in names):
+                continue  # a letter of the part, as in the left ring finger L_rf
+            told = next((pair for pair in named_pairs(os.listdir(path.parent)) if path.name in pair), ("", ""))
+            k = 1 if shape in meshes[1] else 0
+            if told[1 - k] == path.name and shape.shape is not None:
+                what = f"its {shape.kind} mesh is {shown_path(path.name)}, that of its twin {shown(names[1 - k])}"
+                remedy = f"write {shown_path(shape.uri.replace(path.name, told[k]))}"
+                yield Fault(value_span(shape.shape, "filename"), what, remedy)

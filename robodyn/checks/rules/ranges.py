@@ -207,8 +207,9 @@ _SPEED_GAP, _SPEED_BAND = 8.0, 2.0
 _EFFORT_GAP, _EFFORT_BAND = 100.0, 3.0
 _ROUND, _SLOWEST = 5.0, 45.0
 """Speeds in degrees are multiples of 5, and of a whole robot not below 45."""
-_LONG, _REACHES = 5.0, 20.0
-"""A slide of more metres, which is as many times as long as the robot's longest offset, is in millimetres."""
+_LONG, _TRACK, _REACHES = 5.0, 50.0, 20.0
+"""A slide of more metres (a track, which carries all other joints, of more), which is as many times as long as the
+robot's longest offset, is in millimetres."""
 
 
 class LimitSlip(NamedTuple):
@@ -266,11 +267,14 @@ def _efforts(context: Context) -> Iterator[LimitSlip]:
 
 
 def _slides(context: Context) -> Iterator[LimitSlip]:
-    bound = max(_LONG, _REACHES * reach(context))
+    tree = context.tree_or_none
+    first = [] if tree is None else [group.joint for group in tree.groups[0].children if group.children]
+    far = _REACHES * reach(context)
     why = f"the robot's longest offset between joints is {reach(context):.3g} m"
     for joint in context.view.joints:
         if joint.type != "prismatic" or joint.limit is None:
             continue
+        bound = max(_TRACK if first == [joint] else _LONG, far)
         for end in (joint.limit.lower, joint.limit.upper):
             if end.value is not None and bound < abs(end.value) <= context.thresholds.most_range:
                 yield LimitSlip(end, 1e3, "mm", "m", why)
@@ -312,9 +316,9 @@ def limit_unit(context: Context) -> Faults:
     A speed of 120 is 120 rad/s, 1146 turns a minute: at a joint, deg/s were meant. Reported are turning joints of which
     the speed is at least 8 times that of all others and among theirs when it is divided by 57.3, or all of which
     have round speeds from 45 on, and one of which turns within a range; efforts at least 100 times those of all
-    others and among theirs when they are divided by 1000, which are N mm; and slides of more than 5 m that are
-    20 times the robot's longest offset between joints, or as fast per second, which are in mm. Powers of ten and all
-    nines are stand-ins, and left to RD803.
+    others and among theirs when they are divided by 1000, which are N mm; and slides of more than 5 m, or 50 m
+    of a track that carries all other joints, which are 20 times the robot's longest offset between joints, or as fast
+    per second, which are in mm. Powers of ten and all nines are stand-ins, and left to RD803.
     """
     for slip in context.once(limit_slips):
         name, value = slip.numbers.attribute, slip.numbers.value

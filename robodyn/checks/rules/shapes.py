@@ -109,6 +109,7 @@ _BOX = '<geometry><box size="0.1 0.1 0.25"/></geometry>'
         "<inertial>", f'<collision><origin xyz="0 0 0.125"/>{_BOX}</collision>\n    <inertial>', 2
     ),
     bad=('<collision><origin xyz="0 0 0.125"/>', "<collision>"),
+    explains=("RD406",),
 )
 def collision_misfit(context: Context) -> Faults:
     """What collides is where and what is seen.

@@ -265,10 +265,15 @@ def odd_parent(context: Context) -> Faults:
     Of links whose names differ in left and right, left_hand and right_hand, FL_calf and FR_calf, each is a child of
     the namesake of the other's parent, or both of one link. Where they are not, although their joints stand at the
     same place on their parents but for signs, one has the wrong parent: by a copied line that was not changed, or
-    changed twice. It is the one whose parent's name says the other side; where none does, both are named.
+    changed twice. It is the one whose parent's name says the other side; or else the one that left a link whose twin
+    carries the other, or else the one on a link whose twin carries others; or both are named. Where a link hangs beside
+    one that moves and carries nothing, although names put this between it and their parent, as in link_3, link_4 and
+    link_5 or upper_arm, forearm and wrist, that one is its parent.
     """
+    yield from _passed_over(context)
     above = context.tree.above
     named = list(named_pairs([link.name for link in context.tree.links]))
+    carriers = {joint.parent for joint in above.values()}
     times = Counter(name for names in named for name in names)  # the left finger of a right hand is in two pairs
     left = {right: left for left, right in named if times[left] == times[right] == 1}
     twin = {**left, **{one: other for other, one in left.items()}}
@@ -286,6 +291,9 @@ def odd_parent(context: Context) -> Faults:
         crossed = [
             parent in twin and (parent in left) != (link in left) for link, parent in zip(split, parents, strict=True)
         ]
+        if not any(crossed):  # where the twin of the one's parent carries nothing, the other left it
+            crossed = [on in twin and twin[on] not in carriers for on in reversed(parents)]
+            crossed = crossed if any(crossed) else [parent in twin for parent in parents]
         sure = sum(crossed) == 1
         k = crossed.index(True) if sure else int(joints[1].element.start > joints[0].element.start)
         odd, namesake, on = split[k], split[1 - k], parents[1 - k]
@@ -293,6 +301,46 @@ def odd_parent(context: Context) -> Faults:
         either = "" if sure else f", or {shown(namesake)} is the wrong one"
         parent = next(child for child in joints[k].element.children if child.tag == "parent")
         yield Fault(value_span(parent, "link"), what, f"make {shown(twin.get(on, on))} its parent{either}")
+
+
+_ORDER = (
+    ("shoulder", "hip"),
+    ("upper", "thigh", "bicep"),
+    ("elbow", "fore", "lower", "knee", "shank", "calf", "shin"),
+    ("wrist", "ankle", "ankel"),
+    ("hand", "palm", "gripper", "tool", "foot", "flange"),
+    ("finger", "thumb", "toe"),
+)
+"""Words of parts from the body outwards."""
+
+
+def _passed_over(context: Context) -> Faults:
+    """Links whose parent names say to be a sibling of theirs that carries nothing."""
+    tree = context.tree
+    for group in tree.groups:
+        if group.joint is None or group.parent is None or group.parent.joint is None:
+            continue
+        link, over = group.joint.child, group.parent.joint.child
+        for other in group.parent.children:
+            beside = other.joint.child if other.joint is not None and not other.children and other.mass else link
+            if beside != link and _between(over, beside, link):
+                what = f"it makes {shown(link)} a child of {shown(over)}, beside {shown(beside)}, which carries nothing"
+                parent = next(child for child in group.joint.element.children if child.tag == "parent")
+                yield Fault(value_span(parent, "link"), what, f"make {shown(beside)} its parent")
+
+
+def _between(inner: str, middle: str, outer: str) -> bool:
+    """Whether three names are those of links in a row, by their one number or by words for parts of one side."""
+    numbers = [re.split(r"(\d+)", name) for name in (inner, middle, outer)]
+    if all(len(parts) == 3 for parts in numbers) and len({(parts[0], parts[2]) for parts in numbers}) == 1:
+        first, second, third = (int(parts[1]) for parts in numbers)
+        return abs(third - first) == 2 and first + third == 2 * second
+    ranks = [
+        [k for k, words in enumerate(_ORDER) if any(word in name.lower() for word in words)]
+        for name in (inner, middle, outer)
+    ]
+    sides = {frozenset(side for side in ("left", "right") if side in name.lower()) for name in (inner, middle, outer)}
+    return len(sides) == 1 and all(len(found) == 1 for found in ranks) and ranks[0] < ranks[1] < ranks[2]
 
 
 @rule(

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from helpers.example_robots import path_of
+from helpers.mesh_samples import binary_stl, box
 from helpers.sampled import sampled
 
 import robodyn
 from robodyn.checks.check import Options, check_one
 from robodyn.checks.context import Context
-from robodyn.checks.examples import INERTIA, a_shaped_link
+from robodyn.checks.examples import INERTIA, LIMIT, a_joint, a_link, a_shaped_link, arm, longer_arm
 from robodyn.checks.rule import Finding, Severity
 from robodyn.checks.rules.loads import (
     gravity_bounds,
@@ -262,3 +265,75 @@ def test_damping_is_measured_against_the_step(damping: float, warned: bool) -> N
     results = [one for one in check_one(text.encode()) if one.code == "RD804"]
     assert bool(results) == warned
     assert [one.measured for one in results] == pytest.approx([2 * 0.005 / damping] * warned, rel=1e-9)
+
+
+WHEEL = '<cylinder radius="0.1" length="0.04"/>'
+
+
+@pytest.mark.parametrize(
+    ("shape", "axis", "centre", "expected"),
+    [
+        (WHEEL, "0 0 1", "0 0 0", False),
+        (WHEEL, "0 1 0", "0 0 0", True),
+        (WHEEL, "0 1 1", "0 0 0", False),
+        (WHEEL, "0 1 0", "0 0.05 0", False),
+        ('<cylinder radius="0.1" length="0.3"/>', "0 1 0", "0 0 0", False),
+        ('<box size="0.2 0.3 0.04"/>', "0 1 0", "0 0 0", False),
+    ],
+    ids=["right", "across", "oblique", "off the middle", "a rod", "a plate"],
+)
+def test_a_disc_turns_about_its_own_axis(shape: str, axis: str, centre: str, expected: bool) -> None:
+    """A part that turns across its disc is a wheel on its side; others say nothing."""
+    text = a_shaped_link(shape=shape).replace('xyz="0 0 0.125"', f'xyz="{centre}"')
+    text = text.replace('<axis xyz="0 1 0"/>', f'<axis xyz="{axis}"/>')
+    given = [one for one in check_one(text.encode()) if one.code == "RD517"]
+    assert bool(given) is expected
+    assert all(one.remedy.startswith('write <axis xyz="0 0 1"/>') for one in given)
+
+
+@pytest.mark.parametrize(
+    ("origin", "other", "expected"),
+    [("0 0.2 0", "", 2), ("0 0.2 0.002", "", 0), ("0 0.2 0", a_joint("neck", "upper", "head", LIMIT), 0)],
+)
+def test_two_joints_in_a_row_turn_about_two_lines(origin: str, other: str, expected: int) -> None:
+    """Unless something else hangs between them, as arms between a waist and a neck."""
+    text = longer_arm(inside=f'<origin xyz="{origin}"/><axis xyz="0 -1 0"/>{LIMIT}')
+    text = text.replace("</robot>", (a_link("head") + other if other else "") + "</robot>")
+    assert [one.code for one in check_one(text.encode())].count("RD517") == expected
+
+
+@pytest.mark.parametrize(("upper", "joints", "expected"), [("15", 2, 0), ("60", 2, 1), ("15", 1, 1)])
+def test_a_track_that_carries_the_robot_may_be_long(upper: str, joints: int, expected: int) -> None:
+    text = longer_arm() if joints == 2 else arm()
+    text = text.replace('type="revolute"', 'type="prismatic"', 1).replace('upper="2"', f'upper="{upper}"', 1)
+    assert [one.code for one in check_one(text.encode())].count("RD515") == expected
+
+
+@pytest.mark.parametrize(("long", "expected"), [(0.25, 0), (0.4, 1)])
+def test_an_inertial_that_was_pasted(long: float, expected: int) -> None:
+    """All ten numbers of another link are none of a link with other shapes; of a like part they are."""
+    numbers = '<origin xyz="0.001 0 0.12"/><mass value="2"/><inertia ixx="0.012" ixy="1e-5" ixz="2e-5" iyy="0.0124" '
+    numbers += 'iyz="3e-5" izz="0.004"/>'
+    shape = f'<visual><origin xyz="0 0 {long / 2}"/><geometry><box size="0.1 0.1 {long}"/></geometry></visual>'
+    text = a_shaped_link().replace("<inertial>", "<inertial>@")
+    text = text[: text.index("@")] + numbers + text[text.index("</inertial>") :]
+    text = text.replace(
+        "</robot>", a_link("fore", numbers, shape) + a_joint("elbow", "upper", "fore", LIMIT) + "</robot>"
+    )
+    found = [one for one in check_one(text.encode()) if one.code == "RD208"]
+    assert [one.subject.name for one in found if one.subject] == ["fore"] * expected
+
+
+@pytest.mark.parametrize(("felt", "expected"), [("0 0 0", 0), ("0.02 0 0", 1), ("0.004 0 0", 0)])
+def test_a_collision_mesh_that_lost_its_origin(tmp_path: Path, felt: str, expected: int) -> None:
+    """Of two meshes that fit each other with one origin, one that stands 2 cm off is no simpler shape."""
+    for name, size in (("seen", 0.5), ("felt", 0.498)):
+        (tmp_path / f"{name}.stl").write_bytes(binary_stl(box((size, size, 0.5))))
+    kinds = (("visual", "seen", "0 0 0"), ("collision", "felt", felt))
+    shapes = "".join(
+        f'<{kind}><origin xyz="{xyz}"/><geometry><mesh filename="{mesh}.stl"/></geometry></{kind}>'
+        for kind, mesh, xyz in kinds
+    )
+    file = tmp_path / "arm.urdf"
+    file.write_text(arm().replace('<link name="upper">', f'<link name="upper">{shapes}'))
+    assert [one.code for one in check_one(str(file))].count("RD609") == expected

@@ -7,6 +7,7 @@ from functools import cache
 from itertools import islice
 from pathlib import Path
 
+import numpy as np
 import pytest
 from helpers.example_robots import path_of
 
@@ -14,9 +15,15 @@ from robodyn.checks.check import Options, check_one, found_in
 from robodyn.checks.context import Context
 from robodyn.checks.mirror import Pair, pairs
 from robodyn.checks.rule import Finding
+from robodyn.programs.vectors import rotation_from_rpy
 from robodyn.robot.urdf.document import Span, read
 from robodyn.robot.urdf.view import JointView, value_span
 
+OTHERS = {
+    "rotated": ("g1_29dof_rev_1_0", "left_knee_joint", "RD405"),
+    "half a turn": ("g1_29dof_rev_1_0", "right_hip_roll_joint", "RD405"),
+    "of seven": ("talos_full_v2", "arm_left_6_joint", "RD404"),
+}
 ROBOTS = ("go2", "g1_29dof_rev_1_0", "talos_full_v2", "anymal", "solo12")
 TWINS = Options(select=("RD404", "RD405"))
 Edits = Iterator[tuple[Span, str]]
@@ -129,12 +136,16 @@ def test_found_at_the_joint(kind: Callable[[Pair, JointView], Edits], each: int)
     robots = {name for name, _, _ in cases}
     assert len(robots) >= (1 if kind is turned_the_wrong_way else 3) or each > 1, robots
     for name, joint, text in cases:
-        (one,) = twin_findings(text)
-        assert one.subject is not None
-        assert (one.code, one.subject.name) == (KINDS[kind], joint), (name, joint)
+        found = twin_findings(text)
+        names = {other.subject.name: other for other in found if other.subject is not None}
+        twin = next(pair.left_joint.name for pair in robot(name)[1].once(pairs) if pair.right_joint.name == joint)
+        assert names.keys() == ({joint} if kind is fixed else {joint, twin}), (name, joint)
+        assert {other.code for other in found} == {KINDS[kind]}
+        assert len(found) == len(names), "one for each of the two"
+        one = names[joint]
         assert "twin" in one.message
         assert kind is not sign_not_turned or one.cause == "the sign of y is not that of a mirror image"
-        assert one.remedy.startswith("correct the one of the two")
+        assert one.remedy.startswith('write rpy="' if kind is turned_the_wrong_way else "correct the one of the two")
 
 
 @pytest.mark.parametrize(("number", "slip"), [("0.118", "0.0118"), ("0.118", "0.128"), ("0.118", "1.18")])
@@ -144,9 +155,8 @@ def test_where_legs_are_all_there_is(number: str, slip: str) -> None:
     assert twin_findings(data) == []
     text = data.replace(f'xyz="0 -{number} 0"'.encode(), f'xyz="0 -{slip} 0"'.encode())
     assert text != data
-    (one,) = twin_findings(text)
-    assert one.subject is not None
-    assert (one.code, one.subject.name) == ("RD405", "right_hip")
+    found = {(one.code, one.subject.name) for one in twin_findings(text) if one.subject is not None}
+    assert found == {("RD405", "left_hip"), ("RD405", "right_hip")}
 
 
 def heavier(name: str, link: str, factor: float, tensor: bool) -> bytes:
@@ -176,3 +186,31 @@ def test_a_mass_in_another_unit_is_named_at_the_one_that_has_it(
     assert one.subject.name == link
     assert unit in (one.cause or "")
     assert link not in {finding.subject.name for finding in found if finding is not one and finding.subject}
+
+
+@pytest.mark.parametrize("what", OTHERS)
+def test_one_of_a_row_of_twins(what: str) -> None:
+    """A frame turned by a right angle or two, with what hangs on it, is one finding, with the rpy that undoes it; so is
+    one range of seven."""
+    name, joint, code = OTHERS[what]
+    data, context = robot(name)
+    view = context.view.joint[joint]
+    if code == "RD405":
+        r, p, y = view.origin.rpy.values or (0.0, 0.0, 0.0)
+        at, new = (
+            view.origin.rpy.span,
+            written((r + (1.5707963267948966 if what == "rotated" else 3.141592653589793), p, y)),
+        )
+    else:
+        assert view.limit is not None
+        assert view.limit.upper.value is not None
+        at, new = view.limit.upper.span, repr(0.5 * view.limit.upper.value)
+    data = data[: at.start] + new.encode() + data[at.end :]
+    found = {one.subject.name: one for one in twin_findings(data) if one.subject is not None}
+    assert {one.code for one in found.values()} == {code}
+    assert joint in found
+    assert len(found) == 2, "and its twin"
+    if code == "RD405":
+        assert found[joint].measured == pytest.approx(1.5708 if what == "rotated" else 3.1416, rel=1e-3)
+        rpy = tuple(map(float, found[joint].remedy.split('"')[1].split()))
+        assert np.abs(rotation_from_rpy(*rpy) - rotation_from_rpy(r, p, y)).max() < 1e-3

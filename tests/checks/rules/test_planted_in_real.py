@@ -180,8 +180,10 @@ MASSES = (
 )
 _MASS, _TURN = r'(<mass\s+value=")[^"]*', r'(<inertial>.*?<origin[^>]*?)rpy\s*=\s*"[^"]*"'
 TWINS = (
-    Plant("RD401", "hyq_no_sensors", "link lf_upperleg", _MASS, r"\g<1>1.5", "", "rf_upperleg"),
-    Plant("RD401", "anymal", "link LF_THIGH", _MASS, r"\g<1>1.5", "", "RF_THIGH"),
+    Plant("RD406", "go2", "link FR_calf", "<collision.*</collision>", "", "its mirror twin 'FL_calf'"),
+    Plant("RD517", "panda", "joint panda_joint2", 'rpy="[^"]*"', 'rpy="0 0 0"', "turns about the line of joint"),
+    Plant("RD401", "hyq_no_sensors", "link lf_upperleg", _MASS, r"\g<1>1.5"),
+    Plant("RD401", "anymal", "link LF_THIGH", _MASS, r"\g<1>1.5"),
     Plant("RD309", "go2", "link FL_thigh", _TURN, r'\1rpy="0.9 1.2 0.3"'),
     Plant("RD309", "solo12", "link FL_UPPER_LEG", _TURN, r'\1rpy="0.9 1.2 0.3"'),
     Plant("RD602", "panda", "link panda_link4", "collision/link4.stl", "collision/Link4.stl"),
@@ -202,10 +204,17 @@ def called(plant: Plant) -> str:
 PLANTS = (*LIMITS, *FITS, *TREE, *MASSES, *TWINS, *OVERLAPS)
 
 
+OF_TWO = ("RD401", "RD406", "RD517")
+"""Of these rules both places are named where it is not known which is wrong."""
+
+
 @pytest.mark.parametrize("plant", sampled(PLANTS, 13), ids=called)
 def test_named_and_nothing_else(plant: Plant) -> None:
     found = [one for one in fresh(plant) if one.code != "RD901"]  # MuJoCo refuses flat meshes, too
-    assert [(one.code, one.subject and one.subject.name) for one in found] == [(plant.code, plant.name)]
+    names = [one.subject.name for one in found if one.subject is not None]
+    assert {one.code for one in found} == {plant.code}
+    assert plant.name in names
+    assert len(names) == len(found) <= (2 if plant.code in OF_TWO else 1)
     assert plant.words in found[0].message
 
 
