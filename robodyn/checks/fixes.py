@@ -22,13 +22,12 @@ SAME = 64 * 2.0**-52
 """Of the largest torque: what rounding may make of the same dynamics."""
 
 
-def together(findings: Iterable[Finding], safe: bool) -> list[tuple[Finding, Fix]]:
+def together(findings: Iterable[Finding], safe: bool) -> Pairs:
     """Return fixes that do not touch each other, the earlier in the text first, then the lower code; each with all its
     edits or not at all."""
     offered = [(finding, finding.fix) for finding in findings if finding.fix is not None and finding.fix.safe is safe]
     offered.sort(key=lambda pair: (min(edit.start for edit in pair[1].edits), pair[0].code, pair[0].start))
-    chosen: list[tuple[Finding, Fix]] = []
-    taken: list[Edit] = []
+    chosen, taken = Pairs(), list[Edit]()
     for finding, fix in offered:
         edits = sorted(fix.edits, key=lambda edit: edit.start)
         others = [(edit, other) for edit in edits for other in taken]
@@ -118,21 +117,20 @@ def _safely(text: bytes, pairs: Pairs, encoding: str) -> tuple[bytes, list[Made]
     after = _edited(text, pairs, encoding)
     if not pairs or unproven(text, after) is None:
         return after, [Made(*pair) for pair in pairs], []
-    after, proven, refused = text, list[tuple[Finding, Fix]](), list[Refused]()
+    proven, refused = Pairs(), list[Refused]()
     for pair in pairs:
-        candidate = _edited(text, [*proven, pair], encoding)
-        if (why := unproven(text, candidate)) is not None:
-            refused.append(Refused(*pair, why))
-        else:
-            after = candidate
+        why = unproven(text, _edited(text, [*proven, pair], encoding))
+        if why is None:
             proven.append(pair)
-    return after, [Made(*pair) for pair in proven], refused
+        else:
+            refused.append(Refused(*pair, why))
+    return _edited(text, proven, encoding), [Made(*pair) for pair in proven], refused
 
 
 def healing(text: bytes, findings: Iterable[Finding], check: Check, encoding: str) -> tuple[list[Made], list[Refused]]:
     """Return the unsafe fixes that may be made together, and what they change; and those of masses and inertias after
     which the link has an error or a warning."""
-    pairs, kept, refused = together(findings, False), list[tuple[Finding, Fix]](), list[Refused]()
+    pairs, kept, refused = together(findings, False), Pairs(), list[Refused]()
     after = check(_edited(text, pairs, encoding)) if pairs else ()
     left = {one.subject: one for one in after if one.severity is not Severity.NOTE}
     for finding, fix in pairs:

@@ -48,9 +48,9 @@ def srdf_of(file: str, robot: str | None) -> Path | None:
     for same in (folder / sub / f"{Path(file).stem}.srdf" for sub in _BESIDE):
         if _readable(same):
             return same
-    for sub in _BESIDE:
-        found = sorted((folder / sub).glob("*.srdf")) if (folder / sub).is_dir() else []
-        document = _document(found[0]) if len(found) == 1 and robot and _readable(found[0]) else None
+    for sub in _BESIDE if robot else ():
+        found = [*(folder / sub).glob("*.srdf")]
+        document = _document(found[0]) if len(found) == 1 and _readable(found[0]) else None
         if document is not None and document.root.get("name") == robot:
             return found[0]
     return None
