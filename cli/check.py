@@ -6,6 +6,7 @@ import os
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from typing import NamedTuple
 
 import click
 
@@ -22,6 +23,7 @@ from robodyn.cli.options import (
     READING,
     REPORT,
     Call,
+    Output,
     Parsed,
     option,
     refuse_where,
@@ -58,11 +60,21 @@ PROGRAMS = Parsed("names", lambda text: tuple(code.strip().lower() for code in t
 FORMATS = ("text", "short", "json", "sarif", "junit", "github")
 
 
-def _also(text: str) -> tuple[str, str]:
+class Also(NamedTuple):
+    """A file that findings are written to as well."""
+
+    form: str
+    file: str
+
+
+def _also(text: str) -> Also:
     form, equals, file = text.partition("=")
     if form not in FORMATS or not equals or not file:
         raise ValueError(f"{text!r} is not FORMAT=FILE; formats are {', '.join(FORMATS)}")
-    return form, file
+    return Also(form, file)
+
+
+ALSO = Output("a list of findings", _also)
 
 
 def _fix(tasks: Sequence[Task], unsafe: bool, diff: bool) -> bool:
@@ -91,7 +103,11 @@ def _fix(tasks: Sequence[Task], unsafe: bool, diff: bool) -> bool:
     option("--ignore CODES", "Rules not to run.", CODES),
     option("--strict", "Exit with 1 on warnings, too."),
     option("--format", "Default text.", FORMATS, "form", default="text"),
-    option("--also FORMAT=FILE*", "Write it in another format, too: sarif=a.sarif; repeatable.", Parsed("file", _also)),
+    option(
+        "--also FORMAT=FILE*",
+        "Write it in another format, too: sarif=a.sarif; repeatable.",
+        Output("a list of findings", _also),
+    ),
     option("--statistics", "Count findings by rule in place of listing them."),
     DESCRIPTION,
     option("--target NAMES", "What mujoco, drake, gz, kdl, isaac do.", PROGRAMS, "targets"),
@@ -114,7 +130,7 @@ def command(
     select: tuple[str, ...] | None,
     ignore: tuple[str, ...] | None,
     strict: bool,
-    also: tuple[tuple[str, str], ...],
+    also: tuple[Also, ...],
     statistics: bool,
     targets: tuple[str, ...] | None,
     against: str | None,

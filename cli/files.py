@@ -139,6 +139,8 @@ _OURS = {
     "a covariance": rb'\A\{"parameters"',
     "source code": rb"written by robodyn",
     "a baseline": rb'"robodyn_baseline"',
+    "a list of findings": rb'<testsuites name="robodyn |\A\{\s*"(findings|\$schema)"|\A::\w+ file=|files? checked'
+    rb"|(error|warning|note) RD\d",
     "a picture": rb"\A\x89PNG|\A%PDF|\A<\?xml[^<]*<!DOCTYPE svg",
     "a drawing": rb"\A<svg ",
 }

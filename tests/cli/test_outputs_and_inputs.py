@@ -54,7 +54,10 @@ SUFFIX = {
     "a covariance": ".json",
     "source code": ".c",
     "a picture": ".svg",
+    "a list of findings": ".sarif",
 }
+SAID = {"--also": "sarif="}
+"""What an option asks for before the name of its file."""
 RESULTS = (
     "torques arm.urdf arm.csv --out tau.csv --report tau.md",
     "check arm.urdf --baseline new.json --write-baseline",
@@ -63,6 +66,7 @@ RESULTS = (
     "export arm.urdf --to c --out arm.c",
     "linearize arm.urdf --out linear.npz",
     "fbd arm.urdf --svg drawings",
+    "check arm.urdf --also sarif=found.sarif --also text=found.txt --also junit=found.xml --also short=short.txt",
 )
 
 
@@ -138,7 +142,7 @@ def test_an_output_that_is_read(name: str, output: str, reading: str, way: str) 
         words = [place if word == source else word for word in words]
         place = f".//./{place}" if way == "spelled" else place
     before = everything()
-    outcome = run(*name.split(), *words, output, place)
+    outcome = run(*name.split(), *words, output, SAID.get(output, "") + place)
     assert everything() == before
     refused(outcome, "")
     assert "overwrite an input" in outcome.err or "already" in outcome.err, outcome.err
@@ -150,7 +154,7 @@ def test_an_output_that_somebody_else_wrote(name: str, output: str, content: byt
     kind = next(p.type.kind for p in WRITING[name] if p.opts[0] == output)  # type: ignore[attr-defined]
     place = Path("old" + SUFFIX[kind])
     place.write_bytes(content)
-    outcome = run(*name.split(), *ARGUMENTS[name], output, str(place))
+    outcome = run(*name.split(), *ARGUMENTS[name], output, SAID.get(output, "") + str(place))
     assert place.read_bytes() == content
     refused(outcome, f"{place}: ")
     assert "already" in outcome.err, outcome.err
