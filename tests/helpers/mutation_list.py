@@ -143,6 +143,7 @@ MUTATIONS = {
         ("programs/run/llvm/kernel.py", "homes[k]", "homes[k][:1]"),
     ],
     "programs/run/test_compiled_blocks.py": [
+        ("programs/run/llvm/driver.py", "%up = add i64 %filled, {lanes_less_one}", "%up = add i64 %filled, 0"),
         (
             "programs/run/llvm/functions.py",
             "_with_sign(code, code.select(odd, cosine, sine), angle.integer)",
@@ -182,7 +183,6 @@ MUTATIONS = {
             "(program.operations[k][0] in (ADD, SUB) for k in sums)",
         ),
         ("programs/run/llvm/kernel.py", "len(users[k])", "-len(users[k])"),
-        ("programs/run/llvm/driver.py", "%up = add i64 %filled, {lanes_less_one}", "%up = add i64 %filled, 0"),
         (
             "programs/run/llvm/driver.py",
             "%skip = mul i64 %start, %sample_stride",
