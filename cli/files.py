@@ -35,7 +35,7 @@ _KINDS = {
 def robot_in_scene(
     call: Call, urdf: str, scene_file: str | None = None, *, loops: bool = False, contacts: bool = False
 ) -> tuple[Model, Scene]:
-    """Return the robot of a URDF or xacro file, and the scene of the call, with the loops that the description closes.
+    """Return the robot of a file, and the scene of the call, with what the description says of it (`scene_of`).
 
     Args:
         scene_file: in place of --scene.
@@ -49,17 +49,18 @@ def robot_in_scene(
     scene_file = scene_file or call.scene_name
     for path in files:
         expect(SCENE_FILE, path)
-    scene = DEFAULT
+    scene, keys = DEFAULT, frozenset[str]()
     if files:
-        from robodyn.scene.read import load_scene, parse_scene
+        from robodyn.scene.read import scene_from, scene_sources, scene_tables
 
         if len(files) > 1 and STANDARD_INPUT in files:
             raise InputError("one of several scenes cannot be standard input", remedy="name a file", file="<stdin>")
         given = files == (STANDARD_INPUT,)
-        scene = parse_scene(read_standard_input(), "<stdin>") if given else load_scene(*files)
-    scene = scene.changed(call.gravity, held=call.base_held)
+        sources = [(read_standard_input(), "<stdin>")] if given else scene_sources(*files)
+        tables = scene_tables(sources)
+        scene, keys = scene_from(tables, sources), frozenset(tables)
     model = load(robot_source(urdf), moving_base=scene.moving_base, **call.lookup)
-    scene = scene_of(model, scene)
+    scene = scene_of(model, scene, keys).changed(call.gravity, held=call.base_held)
     check_scene(scene, model, scene_file)
     for payload in call.payloads:
         known("--payload", "link", payload.link, model.links)

@@ -14,9 +14,9 @@ from robodyn.cli.screen import answer, complain
 from robodyn.errors import InputError
 from robodyn.report import inertia_pages as pages
 from robodyn.report.inertia import comparison_sections, link_sections, link_shapes_sections, robot_sections
+from robodyn.robot.load import load_description
 from robodyn.robot.masses.declared import LinkInertia, RobotInertia, link_inertia, robot_inertia
 from robodyn.robot.masses.shapes import How, LinkShapes, Reading, compare, link_from_shapes
-from robodyn.robot.urdf.description import load_description
 from robodyn.robot.urdf.parts import Kind
 from robodyn.solids.inertia.properties import View, inertial_element
 from robodyn.support.wording import count

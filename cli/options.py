@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 Callback = Callable[..., Any]
 Decorator = Callable[[Callback], Callback]
 Vector = tuple[float, float, float]
-ROBOT_SUFFIXES = (".urdf", ".xacro")
+ROBOT_SUFFIXES = (".urdf", ".xacro", ".xml", ".mjcf", ".sdf")
 TABLE_SUFFIXES = (".csv", ".tsv", ".parquet", ".pq", ".npz", ".db3", ".mcap", ".bag")
 """Suffixes that only such files have."""
 REPORT_FORMS = {".html": "html", ".htm": "html", ".md": "markdown"}

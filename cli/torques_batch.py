@@ -32,9 +32,12 @@ from robodyn.programs.run.llvm.machine import compiler_problem
 from robodyn.report.table import printable
 from robodyn.report.torques import batch_json, batch_sections, outcome_line, torques_json
 from robodyn.robot.limits import Coverage, Unchecked
-from robodyn.robot.load import load
+from robodyn.robot.load import assemble
 from robodyn.robot.model import Model
-from robodyn.scene.read import parse_scenes
+from robodyn.robot.urdf.parts import Description
+from robodyn.robot.urdf.sources import Search
+from robodyn.scene.fit import scene_of
+from robodyn.scene.read import scene_from, scene_tables
 from robodyn.scene.scene import DEFAULT, Payload, Scene
 from robodyn.support.cache import code_digest
 from robodyn.support.extras import need
@@ -121,13 +124,13 @@ class Setup:
     """Robot, scene and options.
 
     Attributes:
-        robot, scenes: the files' bytes.
+        robot: as it was read; scenes: the files' bytes.
         gravity: m/s^2, in place of the scene's; payloads: beside the scene's; base_held: something carries the base.
         reading: as for `read_motion`; options: as for `torques`, with the threads of each process.
         version: of robodyn and its code, which all machines must have.
     """
 
-    robot: bytes
+    robot: Description
     scenes: tuple[bytes, ...]
     gravity: tuple[float, float, float] | None
     payloads: tuple[Payload, ...]
@@ -139,9 +142,11 @@ class Setup:
     def loaded(self) -> tuple[Model, Scene]:
         """Return the robot and its scene, read once by each thread, which then has programs of its own."""
         if getattr(_KEPT, "setup", None) != self:
-            scene = parse_scenes([(data, "<scene>") for data in self.scenes]) if self.scenes else DEFAULT
-            scene = scene.changed(self.gravity, self.payloads, held=self.base_held)
-            _KEPT.robot = load(self.robot, moving_base=scene.moving_base), scene
+            tables = scene_tables(sources) if (sources := [(data, "<scene>") for data in self.scenes]) else {}
+            scene = scene_from(tables, sources) if sources else DEFAULT
+            model = assemble(self.robot, moving_base=scene.moving_base)
+            scene = scene_of(model, scene, tables)
+            _KEPT.robot = model, scene.changed(self.gravity, self.payloads, held=self.base_held)
             _KEPT.setup = self
         robot: tuple[Model, Scene] = _KEPT.robot
         return robot
@@ -300,7 +305,7 @@ def _setup(call: Call, urdf: str, loads: Mapping[str, Any]) -> tuple[Setup, str]
     if executor == "auto":  # the same everywhere and every time, so that results are equal to the bit
         executor = "numpy" if compiler_problem() else "compiled"
     setup = Setup(
-        robot=model.description.data,
+        robot=replace(model.description, file="<stdin>", search=Search("<stdin>")),
         scenes=tuple(map(read_input, call.scene_files)),
         gravity=call.gravity,
         payloads=call.payloads,

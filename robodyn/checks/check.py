@@ -41,7 +41,7 @@ from robodyn.checks.waivers import waived, waivers
 from robodyn.errors import InputError, NoRobotError, RobodynWarning
 from robodyn.robot.urdf.document import Document, Element, SourcePositions, read
 from robodyn.robot.urdf.parts import Description
-from robodyn.robot.urdf.sources import EXPANDED, is_xacro, read_source
+from robodyn.robot.urdf.sources import EXPANDED, OTHER_FORMATS, is_xacro, read_source, root_tag
 from robodyn.robot.urdf.view import Subject
 from robodyn.support.input_file import read_input
 from robodyn.support.wording import count, listed, listed_paths
@@ -127,7 +127,10 @@ def tasks_for(sources: Sequence[Source], given: Options = STANDARD, config: str 
 
 
 def check_description(description: Description, given: Options = STANDARD) -> Checked:
-    """Return the findings in a description that was read, with the settings of its project."""
+    """Return the findings in a description that was read, with the settings of its project; none in other formats than
+    URDF, which no rule reads."""
+    if description.format != "urdf":
+        return Checked((description.file,), ())
     options = _options(description.file.removesuffix(EXPANDED), given, None, {})
     found = found_in(description.data, options, description.file)
     return Checked((description.file,), found.shown, hidden=found.hidden)
@@ -276,7 +279,11 @@ def _read(source: Source, options: Options, name: str | None) -> tuple[Document,
     """Return a description as it is read, of a xacro file its expansion. NoRobotError where that has no link and no
     joint, or hangs on links that another xacro file of the folder or package has."""
     if isinstance(source, bytes) or not is_xacro(source):
-        return read(source, name), None
+        reading = read(source, name)
+        if reading.robot is None and (other := OTHER_FORMATS.get(root_tag(reading.data))) is not None:
+            remedy = "robodyn diff compares it with a URDF, robodyn convert makes one of it"
+            raise InputError(f"this is {other}, and check reads URDF and xacro", remedy=remedy, file=reading.file)
+        return reading, None
     from robodyn.robot.urdf.xacro import expanded, no_robot
 
     path = os.fspath(source)

@@ -15,9 +15,8 @@ import numpy as np
 from robodyn.checks.check import Checked, Options, check_description, tasks_for
 from robodyn.programs.vectors import Array, narrowed, product
 from robodyn.robot.kinematics import beyond_limits, body_poses, configuration
-from robodyn.robot.load import assemble
+from robodyn.robot.load import assemble, load_description
 from robodyn.robot.model import Model
-from robodyn.robot.urdf.description import load_description
 from robodyn.robot.urdf.parts import Description, Geometry, Joint
 from robodyn.scene.fit import constraints
 
@@ -130,7 +129,7 @@ def overview(
         massive=len(description.massive),
         types=dict(Counter(joint.type for joint in description.joints).most_common()),
         mimics=sum(joint.mimic is not None for joint in description.joints),
-        loops=len(constraints(description)),
+        loops=len(constraints(description)) + len(description.scene.get("loop", ())),
         freedoms=model.n,
         base_freedoms=6 if model.floating else 0,
         mass=mass,

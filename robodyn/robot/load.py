@@ -1,10 +1,14 @@
 """The door of this room: a description file -> Model.
 
+Of URDF:
+
 1. `urdf/sources` reads the bytes and finds meshes, `urdf/xacro` expands xacro files first.
 2. `urdf/document` makes elements of them, with their places and what is wrong as XML.
 3. `urdf/view` reads numbers and texts out of the elements.
 4. `urdf/description` raises what is wrong with them, and sees that links and joints are one tree.
 5. `assemble` (here) makes the `model`: fixed joints merged, mimic joints mapped, parents before children.
+
+`mjcf/read` makes the same description of MJCF.
 
 What a model says of itself: `model`, `limits`, `kinematics` (named values, poses; recursions for any scalar).
 """
@@ -14,18 +18,21 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import cast
 
 import numpy as np
 
-from robodyn.errors import DescriptionError
+from robodyn.errors import DescriptionError, InputError
 from robodyn.programs.vectors import length, product, rotation_from_rpy, snapped
 from robodyn.robot.model import Body, Frame, Joint, Model
-from robodyn.robot.urdf.description import load_description
+from robodyn.robot.urdf.description import read_urdf
 from robodyn.robot.urdf.parts import Description, Origin
 from robodyn.robot.urdf.parts import Joint as DescribedJoint
+from robodyn.robot.urdf.sources import EXPANDED, is_xacro, read_source, root_tag
 from robodyn.solids.inertia.laws import Inertia, combined, inertia_of, symmetric
 from robodyn.solids.inertia.validity import unphysical
 from robodyn.support.floats import Floats
+from robodyn.support.wording import shown
 
 WIDTH = {"fixed": (0, 0), "revolute": (1, 1), "prismatic": (1, 1), "floating": (7, 6)}
 """How many entries of q and of qd each kind of joint has."""
@@ -39,10 +46,10 @@ def load(
     xacro_args: Mapping[str, str] | None = None,
     trust_xacro: bool = False,
 ) -> Model:
-    """Return the Model of a URDF or xacro file.
+    """Return the Model of a URDF, xacro or MJCF file.
 
     Args:
-        source: its path, or the bytes of a URDF.
+        source: its path, or the bytes of a URDF or MJCF.
         moving_base: give the base six degrees of freedom of its own, as for a floating or a carried robot.
         package_paths: packages, or folders of packages, that are looked at first for what xacro includes and meshes.
         xacro_args: values of the arguments of a xacro file; defaults hold for the others.
@@ -50,10 +57,37 @@ def load(
 
     Raises:
         DescriptionError: the file cannot be read, is malformed or contradicts itself; with the line.
-        InputError: a xacro file cannot be expanded, or xacrodoc is not installed.
+        InputError: a xacro file cannot be expanded, or what reads the format is not installed.
     """
     description = load_description(source, package_paths=package_paths, xacro_args=xacro_args, trust_xacro=trust_xacro)
     return assemble(description, moving_base=moving_base)
+
+
+def load_description(
+    source: str | os.PathLike[str] | bytes,
+    name: str | None = None,
+    *,
+    package_paths: Sequence[str | os.PathLike[str]] = (),
+    xacro_args: Mapping[str, str] | None = None,
+    trust_xacro: bool = False,
+) -> Description:
+    """Return what a file describes, whose root element tells its format; options and errors as of `load`. `name` is the
+    file as messages show it."""
+    folders = tuple(os.fspath(path) for path in package_paths)
+    if is_xacro(source):
+        from robodyn.robot.urdf.xacro import expanded
+
+        path = os.fspath(cast("str", source))
+        return read_urdf(expanded(path, folders, xacro_args, trust_xacro).text, (name or path) + EXPANDED, folders)
+    file, data = read_source(source, name)
+    if xacro_args:
+        what = f"the argument {shown(next(iter(xacro_args)))} is for a file that is xacro"
+        raise InputError(what, remedy="xacro files end in .xacro", file=file)
+    if root_tag(data) == "mujoco":
+        from robodyn.robot.mjcf.read import read_mjcf
+
+        return read_mjcf(data, file, folders)
+    return read_urdf(data, file, folders)
 
 
 def assemble(description: Description, *, moving_base: bool = False) -> Model:

@@ -3,8 +3,8 @@ description closes by itself, its <constraint> elements."""
 
 from __future__ import annotations
 
-from collections.abc import Collection
-from dataclasses import replace
+from collections.abc import Collection, Mapping
+from dataclasses import fields, replace
 from math import isfinite
 from typing import Any
 
@@ -187,10 +187,12 @@ KINDS = {"fixed": "weld", "revolute": "hinge", "continuous": "hinge", "spherical
 """Loops by the type of a constraint."""
 
 
-def scene_of(model: Model, scene: Scene = DEFAULT) -> Scene:
-    """Return the scene with the loops that the <constraint> elements of the robot's description close.
+def scene_of(model: Model, scene: Scene = DEFAULT, given: Collection[str] = ()) -> Scene:
+    """Return the scene with what the robot's description says of it: the loops that the <constraint> elements of a URDF
+    close; of MJCF and SDF gravity, springs, loops, fluid and more (`Description.scene`).
 
-    Commands do so by themselves. A loop of the scene takes the place of the constraint that has its name.
+    Commands do so by themselves. What the scene says counts: a loop takes the place of that of its name, a spring of
+    that of its joint, gravity of gravity. A value that is the default counts as not said, unless it is a key `given`.
 
     Source: the proposal to urdfdom_headers, pull request 108: elements of <robot> beside its joints.
 
@@ -209,7 +211,29 @@ def scene_of(model: Model, scene: Scene = DEFAULT) -> Scene:
             raise strict.error(element.line, what, "rename one of them")
         lines[name] = element.line
         loops.append(_loop(element, name, model.links, strict))
+    described = {} if model.description is None else model.description.scene
+    if described:
+        from robodyn.scene.read import scene_from
+
+        scene = _with(scene, scene_from(described, [(b"", model.file)]), given)
     return replace(scene, loops=(*loops, *scene.loops)) if loops else scene
+
+
+def _with(scene: Scene, described: Scene, given: Collection[str]) -> Scene:
+    """Return the scene with what a description says of what the scene does not."""
+    changes: dict[str, Any] = {}
+    for name in (field.name for field in fields(Scene)):
+        own, said, usual = (getattr(each, name) for each in (scene, described, DEFAULT))
+        key = "fluid" if name == "immersed" or name.startswith("fluid") else name
+        if said == usual or key in given:
+            continue
+        if isinstance(said, Mapping):
+            changes[name] = {**said, **own}
+        elif name == "loops":
+            changes[name] = (*(loop for loop in said if loop.name not in {each.name for each in own}), *own)
+        elif own == usual:
+            changes[name] = said
+    return replace(scene, **changes)
 
 
 def _loop(element: Element, name: str, links: Collection[str], strict: Strict) -> Loop:
@@ -247,7 +271,7 @@ def _loop(element: Element, name: str, links: Collection[str], strict: Strict) -
 
 def constraints(description: Description) -> list[Element]:
     """Return the <constraint> elements, whatever they say."""
-    if b"<" + TAG.encode() not in description.data:
+    if description.format != "urdf" or b"<" + TAG.encode() not in description.data:
         return []
     return read_document(description.data, description.file).root.findall(TAG)
 

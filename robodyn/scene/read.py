@@ -11,6 +11,7 @@ from __future__ import annotations
 import os
 import re
 from collections import Counter
+from collections.abc import Mapping
 from itertools import pairwise
 from math import inf, isfinite, pi
 from typing import Annotated, Any
@@ -46,14 +47,19 @@ def load_scene(path: str | os.PathLike[str], *more: str | os.PathLike[str]) -> S
         SceneError: a file cannot be read, is not TOML, has a key that is not understood, lacks one, or has a value of
             the wrong type or size, or two files give the same key. `check_scene` asks whether joints and links exist.
     """
+    return parse_scenes(scene_sources(path, *more))
+
+
+def scene_sources(*paths: str | os.PathLike[str]) -> list[tuple[bytes, str]]:
+    """Return the bytes of files, each with its name; SceneError for one that cannot be read."""
     sources = []
-    for each in (path, *more):
+    for each in paths:
         file = os.fspath(each)
         try:
             sources.append((read_input(each, typed=True), file))
         except (OSError, ValueError) as error:
             raise unreadable(error, file) from None
-    return parse_scenes(sources)
+    return sources
 
 
 def parse_scene(data: bytes, file: str = "<scene>") -> Scene:
@@ -63,7 +69,16 @@ def parse_scene(data: bytes, file: str = "<scene>") -> Scene:
 
 def parse_scenes(sources: Sources) -> Scene:
     """Return the scene that several TOML texts describe together, each with the name of its file; see `load_scene`."""
-    values = read_toml(*sources[0]) if len(sources) == 1 else merged(sources)
+    return scene_from(scene_tables(sources), sources)
+
+
+def scene_tables(sources: Sources) -> dict[str, Any]:
+    """Return the tables of several TOML texts."""
+    return read_toml(*sources[0]) if len(sources) == 1 else merged(sources)
+
+
+def scene_from(values: Mapping[str, Any], sources: Sources) -> Scene:
+    """Return the scene that the tables of TOML texts describe, or of a description (`Description.scene`)."""
     for key in ("ground", "floor"):
         if key in values:
             what = f'{WHOLE}: "{key}" is no key: the ground is where a [[contact]] of a link stands'

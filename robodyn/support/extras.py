@@ -46,6 +46,7 @@ OPTIONAL = (
     Library("mpmath", "mpmath", "reference values with many digits", "exact"),
     Library("sympy", "sympy", "equations in closed form", "symbolic"),
     Library("xacrodoc", "xacrodoc", "xacro files", "xacro"),
+    Library("mujoco-core", "mujoco", "MJCF files", "mjcf"),
     Library("clarabel", "clarabel", "contact forces that cost torques or are bounded by them", "conic"),
     Library("pygls", "pygls", "`lsp`, for editors", "lsp"),
     Library("mujoco", "mujoco", "what MuJoCo changes, by `check --target`", "importers"),

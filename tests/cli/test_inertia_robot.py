@@ -14,9 +14,9 @@ from helpers.command_line import ROBOTS, run, shown
 from helpers.html_pages import checked
 
 from robodyn.programs.vectors import rotation_from_rpy
+from robodyn.robot.load import load_description
 from robodyn.robot.masses.declared import robot_inertia
 from robodyn.robot.masses.shapes import link_from_shapes
-from robodyn.robot.urdf.description import load_description
 from robodyn.solids.inertia.solids import box
 
 EPS = np.finfo(float).eps

@@ -20,9 +20,8 @@ from robodyn.checks.rule import Severity
 from robodyn.errors import InputError
 from robodyn.identification.parameters.consistent import parameters_of, pseudo_inertia
 from robodyn.identification.result import calibrated, calibrated_urdf, friction_toml, lost_meshes
-from robodyn.robot.load import assemble, load
+from robodyn.robot.load import assemble, load, load_description
 from robodyn.robot.masses.declared import declared
-from robodyn.robot.urdf.description import load_description
 from robodyn.scene.scene import DEFAULT, Friction, Payload, Rotor, Scene
 
 OURS = sorted((Path(__file__).parents[2] / "robots").glob("*.urdf"))

@@ -7,7 +7,7 @@ import pytest
 from helpers.peers import pin
 from helpers.robot_files import FOLDER, NAMES, REFERENCE, model
 
-from robodyn.robot.urdf.description import load_description
+from robodyn.robot.load import load_description
 
 SAME_PARAMETERS = {
     "puma": "puma_3r",

@@ -7,7 +7,7 @@ import pytest
 from helpers.robot_files import FOLDER, FULL, MOTORS_ONLY, read_csv
 
 import robodyn
-from robodyn.robot.urdf.description import load_description
+from robodyn.robot.load import load_description
 from robodyn.scene.read import load_scene
 from robodyn.scene.scene import Scene
 

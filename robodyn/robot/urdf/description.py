@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Collection, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import hypot
@@ -16,7 +15,7 @@ from robodyn.errors import DescriptionError, InputError
 from robodyn.robot.urdf import parts
 from robodyn.robot.urdf.document import Document, Element, read_document
 from robodyn.robot.urdf.parts import Description, Geometry, Joint, Kind, Link, Transmission, Vector
-from robodyn.robot.urdf.sources import EXPANDED, Search, is_xacro, package_of, read_source
+from robodyn.robot.urdf.sources import Search, package_of
 from robodyn.robot.urdf.view import TEXT, GeometryView, InertialView, JointView, LinkView, Numbers, Part, View, numbers
 from robodyn.support.wording import alternatives, listed, shown
 
@@ -30,28 +29,9 @@ N = TypeVar("N", Link, Joint)
 K = TypeVar("K", bound=Hashable)
 
 
-def load_description(
-    source: str | os.PathLike[str] | bytes,
-    name: str | None = None,
-    *,
-    package_paths: Sequence[str | os.PathLike[str]] = (),
-    xacro_args: Mapping[str, str] | None = None,
-    trust_xacro: bool = False,
-) -> Description:
-    """Return `read_description` of `read_document`, with the errors of both, of a xacro file's expansion; options as of
-    `robodyn.load`."""
-    folders = tuple(os.fspath(path) for path in package_paths)
-    if is_xacro(source):
-        from robodyn.robot.urdf.xacro import expanded
-
-        path = os.fspath(cast("str", source))
-        file, data = (name or path) + EXPANDED, expanded(path, folders, xacro_args, trust_xacro).text
-    else:
-        file, data = read_source(source, name)
-        if xacro_args:
-            what = f"the argument {shown(next(iter(xacro_args)))} is for a file that is xacro"
-            raise InputError(what, remedy="xacro files end in .xacro", file=file)
-    return replace(read_description(read_document(data, file)), search=Search(file, folders), data=data)
+def read_urdf(data: bytes, file: str, package_paths: tuple[str, ...] = ()) -> Description:
+    """Return `read_description` of `read_document`, with what was read and where its meshes are looked for."""
+    return replace(read_description(read_document(data, file)), search=Search(file, package_paths), data=data)
 
 
 def read_description(document: Document, view: View | None = None) -> Description:

@@ -15,7 +15,7 @@ from itertools import accumulate
 from xml.parsers import expat
 
 from robodyn.errors import DescriptionError
-from robodyn.robot.urdf.sources import LONGEST, as_utf8, long_token, read_source
+from robodyn.robot.urdf.sources import LONGEST, OTHER_FORMATS, as_utf8, long_token, read_source
 from robodyn.support.input_file import LFS_POINTER
 from robodyn.support.wording import shown
 
@@ -155,7 +155,6 @@ _KEPT = 200
 """Bytes kept of a token that is too long."""
 _DOCTYPE = b"<!DOCTYPE"
 _NAMESPACES = {"drake": "http://drake.mit.edu"}
-_OTHER_FORMATS = {"sdf": "this is SDF; convert it to URDF", "mujoco": "this is MJCF; convert it to URDF"}
 _BINARY = "this is a binary file, not XML", "give a URDF file"
 _UNDEFINED_ENTITY, _INVALID_TOKEN = 11, 4
 """Codes of expat."""
@@ -197,7 +196,7 @@ class Document:
 
     Attributes:
         data: the bytes of the file, except for UTF-16, which is transcoded to UTF-8 first.
-        robot: the element <robot>, where the file could be read to the end and needs no expansion.
+        robot: the root element, <robot> of a URDF, where the file could be read to the end and needs no expansion.
     """
 
     file: str
@@ -208,7 +207,7 @@ class Document:
 
     @property
     def root(self) -> Element:
-        """<robot>, of a file that could be read."""
+        """The root element, of a file that could be read."""
         assert self.robot is not None, "the file could be read"
         return self.robot
 
@@ -217,24 +216,25 @@ class Document:
         return [fault for fault in self.faults if fault.code == code]
 
 
-def read_document(source: str | os.PathLike[str] | bytes, name: str | None = None) -> Document:
-    """Return the elements and attributes of a URDF file, its path or bytes, with their places; `name` as `read`.
+def read_document(source: str | os.PathLike[str] | bytes, name: str | None = None, root: str = "robot") -> Document:
+    """Return the elements and attributes of a file, its path or bytes, with their places; `name` and `root` as `read`.
 
     Raises:
-        DescriptionError: the file cannot be read, is not XML or not URDF, has a document type, an undeclared
+        DescriptionError: the file cannot be read, is not XML or has another root, has a document type, an undeclared
             prefix outside the extension elements, or is left over from xacro; with the line.
     """
-    document = read(source, name)
+    document = read(source, name, root)
     if document.faults:
         raise document.faults[0].error(document.file)
     return document
 
 
-def read(source: str | os.PathLike[str] | bytes, name: str | None = None) -> Document:
+def read(source: str | os.PathLike[str] | bytes, name: str | None = None, root: str = "robot") -> Document:
     """Return what can be read of a file, with all its faults; DescriptionError where it cannot be opened.
 
     Args:
         name: the file as messages shall show it; by default the path, and `<stdin>` for bytes.
+        root: the tag that the root element must have; only in a robot, which is URDF, are leftovers of xacro wrong.
     """
     file, original = read_source(source, name)
     try:
@@ -250,9 +250,9 @@ def read(source: str | os.PathLike[str] | bytes, name: str | None = None) -> Doc
         at = SourcePositions(seen, "utf-8").span(start, len(seen))
         fault = TextFault("RD001", at, what, "shorten it; no robot needs as much")
         return Document(file, seen, "utf-8", (fault,), None)
-    reader = _Reader(file, data, "utf-8" if transcoded else None)
-    root = reader.run()
-    return Document(file, data, reader.positions.encoding, tuple(reader.faults), root)
+    reader = _Reader(file, data, "utf-8" if transcoded else None, root)
+    element = reader.run()
+    return Document(file, data, reader.positions.encoding, tuple(reader.faults), element)
 
 
 def unexpanded(text: str) -> bool:
@@ -270,15 +270,15 @@ class _Reader:
     What declares entities ends the reading before any is expanded.
     """
 
-    def __init__(self, file: str, data: bytes, encoding: str | None) -> None:
-        self.file = file
+    def __init__(self, file: str, data: bytes, encoding: str | None, root: str = "robot") -> None:
+        self.file, self.tag = file, root
         self.positions = SourcePositions(data, "utf-8")
         self.faults: list[TextFault] = []
         self._root: Element | None = None
         self._stack: list[Element] = []
         self._texts: list[list[str]] = []
         self._needs_xacro = False
-        self._may_have_xacro = b"${" in data or b"$(" in data
+        self._may_have_xacro = root == "robot" and (b"${" in data or b"$(" in data)
         self._parser = parser = expat.ParserCreate(encoding)
         parser.buffer_text = True
         parser.XmlDeclHandler = self._declare if encoding is None else None
@@ -298,9 +298,12 @@ class _Reader:
         elif b"\0" in data[:2]:  # which expat would take for UTF-16, other than `as_utf8`
             self._add("RD001", 0, 1, *_BINARY)
         elif self._parse() and (root := self._root) is not None:
-            if root.tag != "robot":
-                remedy = "give a URDF file, whose root element is <robot>"
-                remedy = _RUN_XACRO if self.file.endswith(".xacro") else _OTHER_FORMATS.get(root.tag, remedy)
+            if root.tag != self.tag:
+                remedy = f"give a file whose root element is <{self.tag}>"
+                remedy = "give a URDF file, whose root element is <robot>" if self.tag == "robot" else remedy
+                if root.tag in OTHER_FORMATS:
+                    remedy = f"this is {OTHER_FORMATS[root.tag]}, and URDF is read here"
+                remedy = _RUN_XACRO if self.file.endswith(".xacro") else remedy
                 self._add("RD001", root.span.start, root.span.end, f"the root element is {_tag(root)}", remedy)
             elif not self._needs_xacro:
                 return root

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Literal
 
 if TYPE_CHECKING:
     from robodyn.robot.urdf.sources import Search
@@ -113,6 +114,8 @@ class Description:
         notes: doubts, each with its line.
         search: where the files are that it names.
         data: the bytes that it was read from.
+        scene: what the file says beyond links and joints, as the tables of a scene.toml would; see `scene_of`.
+        format: of the file: "urdf", also of what xacro made, "mjcf" or "sdf".
     """
 
     name: str
@@ -124,6 +127,8 @@ class Description:
     notes: tuple[tuple[int, str], ...]
     search: Search
     data: bytes = b""
+    scene: Mapping[str, Any] = field(default_factory=dict, hash=False)
+    format: str = "urdf"
 
     @property
     def massive(self) -> tuple[Link, ...]:

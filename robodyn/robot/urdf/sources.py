@@ -245,6 +245,29 @@ def as_utf8(data: bytes) -> tuple[bytes, bool]:
     return (data, False) if encoding is None else (data.decode(encoding).encode(), True)
 
 
+OTHER_FORMATS = {"mujoco": "MJCF", "sdf": "SDF"}
+"""Formats beside URDF, by the root element."""
+_TAG_NAME = re.compile(rb"<([A-Za-z_][\w.:-]*)")
+
+
+def root_tag(data: bytes) -> str:
+    """Return the tag of the first element of XML; empty where there is none, or a document type before it."""
+    try:
+        data, at = as_utf8(data)[0].removeprefix(b"\xef\xbb\xbf"), 0
+    except UnicodeError:
+        return ""
+    while True:
+        while data[at : at + 1].isspace():
+            at += 1
+        end = {b"<?": b"?>", b"<!": b"-->"}.get(data[at : at + 2])
+        if end is None:
+            found = _TAG_NAME.match(data, at)
+            return "" if found is None else found[1].decode()
+        if not data.startswith((b"<?", b"<!--"), at) or (behind := data.find(end, at)) < 0:
+            return ""
+        at = behind + len(end)
+
+
 LONGEST = 1 << 21
 """Bytes of the longest comment that is read, and the most from the beginning of one tag to that of the next.
 

@@ -11,8 +11,8 @@ import pytest
 from robodyn.programs.vectors import rotation_from_rpy
 from robodyn.report.document import text
 from robodyn.report.inertia import comparison_sections
+from robodyn.robot.load import load_description
 from robodyn.robot.masses.shapes import Reading, compare, mistakes_in_words
-from robodyn.robot.urdf.description import load_description
 from robodyn.robot.urdf.parts import Inertial, Origin
 from robodyn.solids.inertia.properties import inertial_element
 from robodyn.solids.inertia.solids import box

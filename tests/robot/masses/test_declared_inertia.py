@@ -11,9 +11,8 @@ from helpers.pinocchio_robots import PinocchioRobot
 
 from robodyn.errors import InputError
 from robodyn.programs.vectors import rotation_from_rpy
-from robodyn.robot.load import assemble
+from robodyn.robot.load import assemble, load_description
 from robodyn.robot.masses.declared import link_inertia, robot_inertia
-from robodyn.robot.urdf.description import load_description
 from robodyn.solids.inertia.solids import box
 
 EPS = np.finfo(float).eps

@@ -8,8 +8,8 @@ from helpers import mesh_samples
 
 from robodyn.errors import DescriptionError, InputError, MeshError
 from robodyn.programs.vectors import rotation_from_rpy
+from robodyn.robot.load import load_description
 from robodyn.robot.masses.shapes import link_from_shapes
-from robodyn.robot.urdf.description import load_description
 from robodyn.solids.inertia import solids
 from robodyn.solids.inertia.solids import box
 from robodyn.solids.mass_properties import combined, mass_properties

@@ -9,7 +9,7 @@ from unittest.mock import Mock
 import pytest
 
 from robodyn.errors import DescriptionError
-from robodyn.robot.urdf.description import load_description
+from robodyn.robot.load import load_description
 
 LINKS = "<link name='a'/><link name='b'/><link name='c'/>"
 

@@ -12,7 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from robodyn.errors import DescriptionError
-from robodyn.robot.urdf.description import link_shapes, load_description
+from robodyn.robot.load import load_description
+from robodyn.robot.urdf.description import link_shapes
 from robodyn.robot.urdf.parts import Description, Geometry, Inertial, Joint, Limit, Link, Mimic, Origin, Transmission
 
 FULL = """<?xml version="1.0"?>

@@ -7,8 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from robodyn.robot.load import load_description
 from robodyn.robot.urdf import sources
-from robodyn.robot.urdf.description import link_shapes, load_description, missing_mesh
+from robodyn.robot.urdf.description import link_shapes, missing_mesh
 from robodyn.robot.urdf.sources import VARIABLES, Search
 
 TWO = """<robot name="r"><link name="a">

@@ -12,7 +12,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from robodyn.errors import DescriptionError
-from robodyn.robot.urdf.description import load_description
+from robodyn.robot.load import load_description
 
 VALID = b"""<?xml version="1.0" encoding="utf-8"?>
 <robot name="r" xmlns:x="u">

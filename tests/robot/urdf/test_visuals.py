@@ -11,7 +11,7 @@ import trimesh
 from helpers.command_line import ROBOTS
 
 from robodyn.report.pictures.robot import shapes_of
-from robodyn.robot.urdf.description import load_description
+from robodyn.robot.load import load_description
 
 SHAPES = {
     "box": ((0.1, 0.2, 0.5), 0.01, 0.0),

@@ -15,8 +15,7 @@ from hypothesis import strategies as st
 
 from robodyn.errors import InputError
 from robodyn.programs.vectors import IDENTITY, ZERO, rotation_from_rpy
-from robodyn.robot.load import placement
-from robodyn.robot.urdf.description import load_description
+from robodyn.robot.load import load_description, placement
 from robodyn.solids.inertia.properties import composite, from_inertia
 from robodyn.solids.inertia.solids import box, capsule, cylinder, sphere
 

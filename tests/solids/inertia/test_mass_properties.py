@@ -13,8 +13,7 @@ from hypothesis import strategies as st
 
 from robodyn.errors import InputError
 from robodyn.programs.vectors import IDENTITY, ZERO, rotation_from_rpy
-from robodyn.robot.load import load
-from robodyn.robot.urdf.description import load_description
+from robodyn.robot.load import load, load_description
 from robodyn.solids.inertia.laws import (
     MASSLESS,
     about_centre,
