@@ -84,7 +84,7 @@ def compiled(data: bytes, file: str) -> dict[str, Any]:
     if "problem" in found:
         text = found["problem"].removeprefix("Error: ").removeprefix("XML Error: ")
         place = _LINE.search(text)
-        line = int(place[1]) if place and b"<include" not in data else None
+        line = int(place[1]) or None if place and b"<include" not in data else None
         raise DescriptionError(f"MuJoCo refuses it: {text[:_LONGEST]}", remedy="correct it", file=file, line=line)
     return found
 

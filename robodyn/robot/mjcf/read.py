@@ -60,12 +60,15 @@ def read_mjcf(data: bytes, file: str, package_paths: tuple[str, ...] = ()) -> De
     for key in ARRAYS:
         if key not in ("jnt_range", "jnt_actfrcrange") and not np.isfinite(np.array(found.get(key, []), float)).all():
             raise DescriptionError(f"the compiled {key} is not finite", remedy="correct its numbers", file=file)
+    if len(found["body_mass"]) == 1:
+        raise DescriptionError("<worldbody> has no body", remedy="give a file with a robot", file=file)
     robot = _Robot(found, os.path.dirname(os.path.abspath(file)))
     for body in range(1, len(robot.links)):
         robot.add(body)
     only = [joint for joint in robot.joints if joint.parent == WORLD]
     names = Names(robot.links, robot.origins, robot.of_joint, len(only) == 1 and only[0].type == "floating")
-    mimics, scene = mimics_of(found, names), scene_of_file(found, names)
+    mimics = mimics_of(found, names)
+    scene = scene_of_file(found, names, mimics.found)
     loops, untold = loops_of(found, names)
     scene |= {"loop": loops} if loops else {}
     notes, lost = robot.notes, [*robot.lost(), *untold, *mimics.lost, *lost_of(found)]
@@ -124,6 +127,8 @@ class _Robot:
         for j in own:
             kind, anchor = self.types[found["jnt_type"][j]], np.array(found["jnt_pos"][j])
             axis, ref = np.array(found["jnt_axis"][j]), found["qpos0"][found["jnt_qposadr"][j]]
+            if kind == "jnt_free":  # whose coordinates are the pose in the world
+                R, p = np.eye(3), np.zeros(3)
             if kind in ("jnt_hinge", "jnt_ball"):
                 p, here = p + R @ (anchor - here), anchor
             if kind == "jnt_hinge" and ref:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -139,8 +140,9 @@ def loops_of(found: dict[str, Any], names: Names) -> tuple[list[dict[str, Any]],
     return loops, lost
 
 
-def scene_of_file(found: dict[str, Any], names: Names) -> dict[str, Any]:
-    """Return gravity, springs and fluid as the tables of a scene; empty where they are those of any scene.
+def scene_of_file(found: dict[str, Any], names: Names, mimics: Mapping[str, Mimic]) -> dict[str, Any]:
+    """Return gravity, springs, fluid and where a simulation begins as the tables of a scene; empty where they are those
+    of any scene.
 
     A link in a fluid has MuJoCo's drag on the box of its inertia, `rho/2 b_j b_k |v_i| v_i` at its centre of mass,
     where the axes of that box are those of the link.
@@ -151,6 +153,16 @@ def scene_of_file(found: dict[str, Any], names: Names) -> dict[str, Any]:
     if gravity != _EARTH:
         scene["gravity"] = gravity
     single = (found["kinds"]["jnt_hinge"], found["kinds"]["jnt_slide"])
+    start: dict[str, float] = {}
+    for j, (kind, at) in enumerate(zip(found["jnt_type"], found["jnt_qposadr"], strict=True)):
+        name = names.joints[j][0]
+        if kind == found["kinds"]["jnt_free"]:
+            values = dict(zip(("x", "y", "z", "qw", "qx", "qy", "qz"), found["qpos0"][at : at + 7], strict=True))
+            start |= {f"{'base' if names.moving else name}_{key}": value for key, value in values.items()}
+        elif kind in single and name not in mimics:
+            start[name] = found["qpos0"][at]
+    if any(value for name, value in start.items() if not name.endswith("_qw")):
+        scene["initial"] = {"q": {name: value for name, value in start.items() if value}}
     springs = {
         names.joints[j][0]: {"stiffness": stiffness, "rest": found["qpos_spring"][found["jnt_qposadr"][j]]}
         for j, stiffness in enumerate(found["jnt_stiffness"])

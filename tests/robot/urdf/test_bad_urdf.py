@@ -62,7 +62,6 @@ BAD: dict[str, tuple[str | bytes, int, tuple[str, ...]]] = {
     "undeclared prefix": ("<robot name='r'>\n<sim:x/></robot>", 2, ("'sim:x'", "not declared", "xmlns:sim")),
     # not URDF
     "SDF": ("<!-- -->\n<sdf version='1.6'/>", 2, ("is <sdf>", "SDF")),
-    "MJCF": ("<mujoco/>", 1, ("is <mujoco>", "MJCF")),
     "xacro element": (robot("<xacro:arm side='left'/>"), 2, ("'xacro:arm'", "FILE.xacro")),
     "xacro expression": (robot("<link name='a'/>", "<link\nname='${side}_b'/>"), 4, ("'${side}_b'", "FILE.xacro")),
     "xacro substitution": (shape("<mesh filename='$(find p)/a.stl'/>"), 4, ("$(find p)", "FILE.xacro")),
