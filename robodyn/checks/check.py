@@ -127,10 +127,10 @@ def tasks_for(sources: Sequence[Source], given: Options = STANDARD, config: str 
 
 
 def check_description(description: Description, given: Options = STANDARD) -> Checked:
-    """Return the findings in a description that was read, with the settings of its project; none in other formats than
-    URDF, which no rule reads."""
+    """Return the findings in a description that was read, with the settings of its project; no file in other formats
+    than URDF, which rules do not read."""
     if description.format != "urdf":
-        return Checked((description.file,), ())
+        return Checked((), ())
     options = _options(description.file.removesuffix(EXPANDED), given, None, {})
     found = found_in(description.data, options, description.file)
     return Checked((description.file,), found.shown, hidden=found.hidden)
