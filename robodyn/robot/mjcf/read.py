@@ -15,16 +15,7 @@ import numpy as np
 from robodyn.errors import DescriptionError
 from robodyn.programs.vectors import product, rotation_about, rpy_from_rotation, snapped
 from robodyn.robot.mjcf.compiler import ARRAYS, compiled
-from robodyn.robot.mjcf.surroundings import (
-    Names,
-    actuated,
-    geoms_of,
-    loops_of,
-    lost_of,
-    mimics_of,
-    rotation_of,
-    scene_of_file,
-)
+from robodyn.robot.mjcf.surroundings import Names, actuated, geoms_of, loops_of, lost_of, mimics_of, rotation_of, told
 from robodyn.robot.urdf import parts
 from robodyn.robot.urdf.parts import Description, Geometry, Inertial, Joint, Kind, Limit, Link, Origin, Vector
 from robodyn.robot.urdf.sources import Search
@@ -66,25 +57,21 @@ def read_mjcf(data: bytes, file: str, package_paths: tuple[str, ...] = ()) -> De
     for body in range(1, len(robot.links)):
         robot.add(body)
     only = [joint for joint in robot.joints if joint.parent == WORLD]
-    names = Names(robot.links, robot.origins, robot.of_joint, len(only) == 1 and only[0].type == "floating")
-    mimics = mimics_of(found, names)
-    scene = scene_of_file(found, names, mimics.found)
-    loops, untold = loops_of(found, names)
-    scene |= {"loop": loops} if loops else {}
-    notes, lost = robot.notes, [*robot.lost(), *untold, *mimics.lost, *lost_of(found)]
-    if lost:
-        notes = [*notes, (1, f"left out, as nothing here is like it: {'; '.join(lost)}")]
+    names = Names(robot.links, robot.origins, robot.named, len(only) == 1 and only[0].type == "floating")
+    (mimics, free), (loops, idle) = mimics_of(found, names), loops_of(found, names)
+    lost = [*robot.lost(), *idle, *free, *lost_of(found)]
+    notes = [(1, f"left out, as nothing here is like it: {'; '.join(lost)}")] if lost else []
     return Description(
         found["name"] or os.path.splitext(os.path.basename(file))[0],
         file,
         (Link(WORLD), *robot.parts),
-        tuple(replace(joint, mimic=mimics.found.get(joint.name)) for joint in robot.joints),
+        tuple(replace(joint, mimic=mimics.get(joint.name)) for joint in robot.joints),
         tuple(robot.rotors),
         WORLD,
-        tuple(sorted(notes, key=lambda note: note[0])),
+        tuple(sorted(notes + robot.notes, key=lambda note: note[0])),
         Search(file, package_paths),
         data,
-        scene,
+        told(found, names, mimics) | ({"loop": loops} if loops else {}),
         "mjcf",
     )
 
@@ -94,7 +81,7 @@ class _Robot:
 
     Attributes:
         links, origins: of each body its link, and where the link's origin is in the body's frame [m].
-        of_joint: of each joint of MuJoCo's the names of ours.
+        named: of each joint its name.
     """
 
     def __init__(self, found: dict[str, Any], folder: str) -> None:
@@ -104,7 +91,6 @@ class _Robot:
         self.origins = [np.zeros(3) for _ in self.links]
         usual = [f"{self.links[body]}_joint" for body, n in enumerate(found["body_jntnum"]) for _ in range(n)]
         self.named = _distinct(found["names"]["joint"], usual)
-        self.of_joint: list[tuple[str, ...]] = [(name,) for name in self.named]
         self.efforts, self.armatures, self.dampings = actuated(found)
         self.parts: list[Link] = []
         self.joints: list[Joint] = []
@@ -170,7 +156,6 @@ class _Robot:
         if kind == "jnt_ball":
             lower, upper, effort = None, None, None
             axes, names = list(np.eye(3)), [self._free(f"{name}_{letter}") for letter in "xyz"]
-            self.of_joint[j] = tuple(names)
             what = f"{where} is the hinges {listed(names)} in a row, singular where {names[1]} is at 90 degrees"
             rated = bool(armature or damping or friction)
             more = "; armature, damping and friction act on their rates, not on the angular velocity" if rated else ""

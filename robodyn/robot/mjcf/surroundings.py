@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import inf
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,20 +18,13 @@ _EARTH = [0.0, 0.0, -9.81]
 
 
 class Names(NamedTuple):
-    """Of each body its link and where the link's origin is in the body's frame [m]; of each joint the names of ours;
-    and whether the world is the ground of a base that moves, not a link."""
+    """Of each body its link and where the link's origin is in the body's frame [m]; of each joint its name; and whether
+    the world is the ground of a base that moves, not a link."""
 
     links: list[str]
     origins: list[Floats]
-    joints: list[tuple[str, ...]]
+    joints: list[str]
     moving: bool
-
-
-class Mimics(NamedTuple):
-    """By joint what it follows; and what cannot be followed, in words."""
-
-    found: dict[str, Mimic]
-    lost: list[str]
 
 
 def actuated(found: dict[str, Any]) -> tuple[dict[int, float], dict[int, float], dict[int, float]]:
@@ -41,25 +35,25 @@ def actuated(found: dict[str, Any]) -> tuple[dict[int, float], dict[int, float],
         if kind not in (kinds["trn_joint"], kinds["trn_jointinparent"]):
             continue
         gear = found["actuator_gear"][found.get("actuator_outadr", range(a + 1))[a]][0]
-        joint, most = ends[0], _most(found, a)
-        force[joint] = force.get(joint, 0.0) + (float("inf") if most is None else abs(gear) * most)
+        joint = ends[0]
+        force[joint] = force.get(joint, 0.0) + (abs(gear) * _most(found, a) if gear else 0.0)
         for key, added in (("actuator_armature", armature), ("actuator_damping", damping)):
             added[joint] = added.get(joint, 0.0) + gear * gear * (found[key][a] if key in found else 0.0)
     for joint, limited in enumerate(found["jnt_actfrclimited"]):
         if limited:
-            force[joint] = min(force.get(joint, float("inf")), max(map(abs, found["jnt_actfrcrange"][joint])))
-    return {joint: most for joint, most in force.items() if np.isfinite(most)}, armature, damping
+            force[joint] = min(force.get(joint, inf), max(map(abs, found["jnt_actfrcrange"][joint])))
+    return {joint: most for joint, most in force.items() if most < inf}, armature, damping
 
 
-def _most(found: dict[str, Any], a: int) -> float | None:
-    """Return the largest force of an actuator, by the range of its force, or of a control that is the force."""
+def _most(found: dict[str, Any], a: int) -> float:
+    """Return the largest force of an actuator, by the range of its force, or of a control that is the force; or inf."""
     bounds = [max(map(abs, found["actuator_forcerange"][a]))] if found["actuator_forcelimited"][a] else []
     control = found.get("actuator_ctrladr", range(a + 1))[a]
     direct = found["actuator_gaintype"][a] == found["kinds"]["gain_fixed"] and not found["actuator_biastype"][a]
     direct = direct and found["actuator_dyntype"][a] in found["filters"]
     if direct and control >= 0 and found["actuator_ctrllimited"][control]:
         bounds.append(abs(found["actuator_gainprm"][a][0]) * max(map(abs, found["actuator_ctrlrange"][control])))
-    return min(bounds, default=None)
+    return min(bounds, default=inf)
 
 
 def _equalities(found: dict[str, Any], *kinds: str) -> list[tuple[int, str]]:
@@ -69,28 +63,28 @@ def _equalities(found: dict[str, Any], *kinds: str) -> list[tuple[int, str]]:
     return [(e, named[kind]) for e, (kind, active) in enumerate(held) if active and kind in named]
 
 
-def mimics_of(found: dict[str, Any], names: Names) -> Mimics:
-    """Return as mimic rules the constraints `q = q0 + a + b (leader - leader0)` between two joints."""
+def mimics_of(found: dict[str, Any], names: Names) -> tuple[dict[str, Mimic], list[str]]:
+    """Return as mimic rules the constraints `q = q0 + a + b (leader - leader0)` between two joints by the follower, and
+    those that are none, in words."""
     mimics, lost = dict[str, Mimic](), list[str]()
     for e, _ in _equalities(found, "eq_joint"):
         follower, leader = found["eq_obj1id"][e], found["eq_obj2id"][e]
         a, b, *rest = found["eq_data"][e][:5]
-        name = names.joints[follower][0]
-        why = ""
+        name, why = names.joints[follower], ""
         if leader < 0:
             why = "holds it where it is"
         elif any(rest):
             why = "is not a straight line"
         elif name in mimics:
             why = "is a second one"
-        elif _leads_to(names.joints[leader][0], name, mimics):
+        elif _leads_to(names.joints[leader], name, mimics):
             why = "closes a circle"
         if why:
             lost.append(f"the constraint of joint {shown(name)}, which {why}")
             continue
         at, there = (found["qpos0"][found["jnt_qposadr"][joint]] for joint in (follower, leader))
-        mimics[name] = Mimic(names.joints[leader][0], b, at + a - b * there)
-    return Mimics({} if "equality" in found["off"] else mimics, lost)
+        mimics[name] = Mimic(names.joints[leader], b, at + a - b * there)
+    return {} if "equality" in found["off"] else mimics, lost
 
 
 def _leads_to(joint: str, name: str, mimics: dict[str, Mimic]) -> bool:
@@ -140,7 +134,7 @@ def loops_of(found: dict[str, Any], names: Names) -> tuple[list[dict[str, Any]],
     return loops, lost
 
 
-def scene_of_file(found: dict[str, Any], names: Names, mimics: Mapping[str, Mimic]) -> dict[str, Any]:
+def told(found: dict[str, Any], names: Names, mimics: Mapping[str, Mimic]) -> dict[str, Any]:
     """Return gravity, springs, fluid and where a simulation begins as the tables of a scene; empty where they are those
     of any scene.
 
@@ -155,7 +149,7 @@ def scene_of_file(found: dict[str, Any], names: Names, mimics: Mapping[str, Mimi
     single = (found["kinds"]["jnt_hinge"], found["kinds"]["jnt_slide"])
     start: dict[str, float] = {}
     for j, (kind, at) in enumerate(zip(found["jnt_type"], found["jnt_qposadr"], strict=True)):
-        name = names.joints[j][0]
+        name = names.joints[j]
         if kind == found["kinds"]["jnt_free"]:
             values = dict(zip(("x", "y", "z", "qw", "qx", "qy", "qz"), found["qpos0"][at : at + 7], strict=True))
             start |= {f"{'base' if names.moving else name}_{key}": value for key, value in values.items()}
@@ -164,7 +158,7 @@ def scene_of_file(found: dict[str, Any], names: Names, mimics: Mapping[str, Mimi
     if any(value for name, value in start.items() if not name.endswith("_qw")):
         scene["initial"] = {"q": {name: value for name, value in start.items() if value}}
     springs = {
-        names.joints[j][0]: {"stiffness": stiffness, "rest": found["qpos_spring"][found["jnt_qposadr"][j]]}
+        names.joints[j]: {"stiffness": stiffness, "rest": found["qpos_spring"][found["jnt_qposadr"][j]]}
         for j, stiffness in enumerate(found["jnt_stiffness"])
         if stiffness and found["jnt_type"][j] in single
     }
