@@ -248,4 +248,4 @@ def _vector(values: Any) -> Vector:
 
 
 def _origin(p: Floats, R: Floats) -> Origin:
-    return Origin(_vector(p), rpy_from_rotation(R))
+    return Origin(_vector(p), _vector(rpy_from_rotation(R)))
