@@ -54,7 +54,7 @@ def package(tmp_path: Path) -> Path:
     return folder
 
 
-RULES = ("RD1", "RD5", "RD6")
+RULES = ("RD1", "RD50", "RD6")
 
 
 def checked(*sources: Path, including: bool = False) -> tuple[Checked, list[str]]:
@@ -83,10 +83,10 @@ def test_a_finding_in_a_file_that_robots_share_is_one_with_their_names(package: 
     (finding,) = checked(package)[0].findings
     assert Path(finding.file).name == "hand.xacro"
     assert [Path(robot).name for robot in finding.robots] == ["handier.urdf.xacro", "other.urdf.xacro"]
-    said = run("check", str(package), "--select", "RD5").out
+    said = run("check", str(package), "--select", "RD50").out
     assert said.count("RD502") == 1
     assert "  in: " in said
-    (listed,) = json.loads(run("check", str(package), "--select", "RD5", "--format", "json").out)["findings"]
+    (listed,) = json.loads(run("check", str(package), "--select", "RD50", "--format", "json").out)["findings"]
     assert [Path(robot).name for robot in listed["robots"]] == ["handier.urdf.xacro", "other.urdf.xacro"]
 
 
