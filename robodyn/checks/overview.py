@@ -52,7 +52,7 @@ class Overview:
         base: the link in whose frame the centre of mass is.
         branches: the links, depth first and in the order of the file; massive: how many of them have mass.
         types: how many joints there are of each type, the most frequent first.
-        loops: how many <constraint> elements close it.
+        loops: how many the description closes itself.
         freedoms: degrees of freedom; `base_freedoms` of them are those of a base that floats.
         mass: of all links [kg]; inf beyond the range of numbers.
         com: [m], or None without mass.

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from robodyn.errors import DescriptionError
-from robodyn.robot.urdf.document import read_document
+from robodyn.robot.urdf.document import Element, read_document
 from robodyn.robot.urdf.sources import as_utf8, root_tag
 from robodyn.support.extras import need
 from robodyn.support.input_file import read_input
@@ -63,7 +63,7 @@ def compiled(data: bytes, file: str) -> dict[str, Any]:
     from robodyn.support.children import start_python
 
     own = os.path.isfile(file) and read_input(file) == data
-    _check_files(data, file, own)
+    root = _check_files(data, file, own)
     need("MJCF files", "mujoco-core", file=file)
     path = os.path.abspath(file)
     question = {"file": path if own else "", "text": as_utf8(data)[0].decode(), "folder": os.path.dirname(path)}
@@ -81,25 +81,35 @@ def compiled(data: bytes, file: str) -> dict[str, Any]:
         what = f"MuJoCo's compiler ended with status {child.returncode}"
         raise DescriptionError(what, remedy="is it a file that MuJoCo loads, and is there memory enough?", file=file)
     found: dict[str, Any] = json.loads(said)
+    included = next((element for element in root.walk() if element.tag == "include"), None)
     if "problem" in found:
         text = found["problem"].removeprefix("Error: ").removeprefix("XML Error: ")
         place = _LINE.search(text)
-        line = int(place[1]) or None if place and b"<include" not in data else None
+        line = int(place[1]) or None if place and included is None else None
         raise DescriptionError(f"MuJoCo refuses it: {text[:_LONGEST]}", remedy="correct it", file=file, line=line)
+    if included is not None:  # whose lines are of another file
+        here = {(element.tag, element.line, element.get("name") or "") for element in root.walk()}
+        for kind, lines in found["lines"].items():
+            for k, (name, line) in enumerate(zip(found["names"][kind], lines, strict=True)):
+                if not here & {(tag, line, name) for tag in (kind, "freejoint")}:
+                    lines[k] = included.line
     return found
 
 
-def _check_files(data: bytes, file: str, own: bool) -> None:
-    """Raise if a file, or one that it includes, is not XML, declares entities, or includes files outside its folder.
+def _check_files(data: bytes, file: str, own: bool) -> Element:
+    """Return the root element; raise if a file, or one that it includes, is not XML, declares entities, or includes files
+    outside its folder.
 
     The compiler looks for a file in the folder of the model, then in that of the file that names it.
     """
     folder = os.path.dirname(os.path.abspath(file))
     within = os.path.realpath(folder)
-    waiting, seen = [(data, file, folder)], set[str]()
+    waiting, seen, root = [(data, file, folder)], set[str](), None
     while waiting:
         text, name, here = waiting.pop()
-        for element in read_document(text, name, root_tag(text)).root.walk():
+        inner = read_document(text, name, root_tag(text)).root
+        root = inner if root is None else root
+        for element in inner.walk():
             if element.tag not in _WITH_FILES or not (written := element.get("file")):
                 continue
             what, remedy = f"<{element.tag}> of {shown(written)}", "name the description by its file"
@@ -109,9 +119,9 @@ def _check_files(data: bytes, file: str, own: bool) -> None:
                 if paths and all(Path(path).is_relative_to(within) for path in paths):
                     for path in paths.keys() - seen:
                         seen.add(path)
-                        inner = read_input(path)
-                        if root_tag(inner) != "robot" and inner[:2] != b"PK":
-                            waiting.append((inner, os.path.join(os.path.dirname(file), written), os.path.dirname(path)))
+                        more = read_input(path)
+                        if root_tag(more) != "robot" and more[:2] != b"PK":
+                            waiting.append((more, os.path.join(os.path.dirname(file), written), os.path.dirname(path)))
                     if len(seen) <= _MOST_FILES:
                         continue
                     what, remedy = f"{what}: more than {_MOST_FILES} files", "include fewer"
@@ -122,6 +132,8 @@ def _check_files(data: bytes, file: str, own: bool) -> None:
             else:
                 what = f"{what} in what comes from no file"
             raise DescriptionError(what, remedy=remedy, file=name, line=element.line)
+    assert root is not None, "the file itself was read"
+    return root
 
 
 def serve() -> None:
@@ -160,7 +172,7 @@ def _extracted(file: str, text: str, folder: str) -> dict[str, Any]:
         kind: [mujoco.mj_id2name(model, which, k) or "" for k in range(counts[kind])] for kind, which in kinds.items()
     }
     lines = {}
-    for kind, elements in (("body", spec.bodies), ("joint", spec.joints), ("equality", spec.equalities)):
+    for kind, elements in (("body", spec.bodies), ("joint", spec.joints)):
         lines[kind] = [1] * counts[kind]
         for element in elements:
             place = _LINE.search(element.info)

@@ -27,6 +27,7 @@ def test_files_that_are_included_are_read_from_its_folder(tmp_path: Path, monkey
     model = robodyn.load("arm.xml")
     assert (model.name, model.joint_names, sorted(model.links)) == ("arm", ("j", "k"), ["hand", "upper", "world"])
     links = {link.name: link.line for link in model.description.links}
+    assert (links["hand"], links["upper"]) == (2, 1), "what is included is where it is included"
     assert (links["upper"], model.description.joints[0].line, model.description.format) == (1, 2, "mjcf")
     assert sorted(os.listdir()) == ["arm.xml", "parts"], "no log"
 

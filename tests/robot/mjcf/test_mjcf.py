@@ -198,6 +198,7 @@ FEATURES = {
 }
 
 
+@pytest.mark.filterwarnings("ignore:compiler attribute 'settotalmass'")
 @pytest.mark.parametrize("name", FEATURES)
 def test_a_feature_moves_as_in_mujoco(name: str) -> None:
     assert Pair(FEATURES[name]).worst() < 1e-10
