@@ -97,8 +97,8 @@ def compiled(data: bytes, file: str) -> dict[str, Any]:
 
 
 def _check_files(data: bytes, file: str, own: bool) -> Element:
-    """Return the root element; raise if a file, or one that it includes, is not XML, has entities, or includes files from
-    outside its folder.
+    """Return the root element; raise if a file, or one that it includes, is not XML, has entities, or includes files
+    from outside its folder.
 
     The compiler looks for a file in the folder of the model, then in that of the file that names it.
     """
