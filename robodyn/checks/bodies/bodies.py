@@ -277,32 +277,22 @@ def share(context: Context, body: Body) -> float | None:
 
 
 def repeated(context: Context) -> Mapping[str, JointView]:
-    """Return by child the fixed joints whose child has the mass of its parent again."""
+    """Return by child the fixed joints whose child has the mass of its parent again, and no shape of its own."""
     known = context.once(bodies)
     found = {}
     for joint in context.view.joints:
         part, again = known.get(joint.parent), known.get(joint.child)
         if joint.type != "fixed" or part is None or again is None or abs(part.mass - again.mass) > _MASS * part.mass:
             continue
-        one_centre = length(part.in_group[0] - again.in_group[0]) <= _NEAR
-        spread = not _stand_in(part) and not _stand_in(again)
-        if share(context, again) is not None and ((spread and one_centre) or _copied(part, again)):
+        one, its = (
+            {tuple(sorted(shape.shape.values.items())) for shape in body.link.geometries if shape.shape is not None}
+            for body in (part, again)
+        )
+        one_centre = length(part.in_group[0] - again.in_group[0]) <= _NEAR and not _stand_in(again)
+        same = part.link.tensor == again.link.tensor and bool((part.c == again.c).all())
+        if share(context, again) is not None and its <= one and not _stand_in(part) and (one_centre or same):
             found[joint.child] = joint
     return found
-
-
-def _copied(part: Body, again: Body) -> bool:
-    """Return whether the numbers of one are those of the other, which has no shape, or products of inertia and another
-    shape."""
-    tensor = part.link.tensor
-    same = tensor == again.link.tensor and bool((part.c == again.c).all()) and not _stand_in(part)
-    if not same or tensor is None or not again.link.geometries:
-        return same
-    one, other = (
-        {tuple(sorted(shape.shape.values.items())) for shape in link.geometries if shape.shape is not None}
-        for link in (part.link, again.link)
-    )
-    return all(tensor[k] for k in (1, 2, 4)) and one != other
 
 
 def _stand_in(body: Body) -> bool:

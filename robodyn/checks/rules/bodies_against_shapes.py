@@ -22,6 +22,7 @@ from robodyn.checks.bodies.bodies import (
 )
 from robodyn.checks.bodies.masses import broken_law, is_a_point, link_poses, principal_moments
 from robodyn.checks.examples import SHAPED_INERTIA, a_shaped_link, inertia
+from robodyn.checks.mirror import twins
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.programs.linear import eigen
 from robodyn.programs.vectors import length, product
@@ -120,8 +121,9 @@ def centre_outside_shapes(context: Context) -> Faults:
     the axes of the group's first link. Up to a tenth of the box's diagonal outside is passed over, for parts that are
     not drawn; beyond one diagonal it is an error, unless the group is the root's. Where the mesh of a shape is not
     known the group is not judged. Where one coordinate with the other sign is in the middle of the link's own shapes,
-    that is said.
+    that is said; where its mirror twin tells where the centre is, RD403 does.
     """
+    images = {one.link.name: one.c for one in context.once(twins) if one.shift > one.most_shift}
     for body in judged(context, tensors=False):
         if body.group is None:
             continue
@@ -130,10 +132,13 @@ def centre_outside_shapes(context: Context) -> Faults:
             continue
         moves = context.tree.group[body.link.name].joint is not None
         origin = body.inertial.origin
+        severity = Severity.ERROR if away > size and moves else Severity.WARNING
+        image = images.get(body.link.name)
+        if severity is Severity.WARNING and image is not None and body.box and not outside(body.box, image):
+            continue
         what = f"the centre of mass is {away:.3g} m outside the box around the shapes, which is {size:.3g} m across"
         remedy = "check the unit (m), the signs, and that it is in the link's frame, not the mesh's or the world's"
         at = body.inertial.element.span if origin.element is None else origin.xyz.span
-        severity = Severity.ERROR if away > size and moves else Severity.WARNING
         cause = suspected(context, body, centre=True) or _sign(context, body)
         yield Fault(at, what, remedy, away, size, severity=severity, cause=cause)
 

@@ -228,8 +228,8 @@ def mass_repeated(context: Context) -> Faults:
 
     A frame that is fixed to a part, for a tool or a camera, and has the part's inertial again doubles the mass.
     Reported are links fixed to each other with the same mass, of 1 % of what moves with them or more, and either one
-    centre of mass, within 1 mm, or the same numbers throughout, where the child has no shape of its own or the inertia
-    has three products and the shapes differ. Stand-ins, which have the same moment three times, do not count.
+    centre of mass, within 1 mm, or the same numbers throughout, where the child has no shape that the other has not.
+    Stand-ins, which have the same moment three times, do not count. Of other shapes RD208 tells.
     """
     known = context.once(bodies)
     for name, joint in context.once(repeated).items():

@@ -346,3 +346,15 @@ def test_one_arm_mounted_on_both_sides() -> None:
     at = text.index('upper="2"', text.index(range_))
     other = text[:at] + 'upper="1"' + text[at + len('upper="2"') :]
     assert codes(other) == {"RD404"}
+
+
+@pytest.mark.parametrize(
+    ("y", "expected"), [("-0.05", set()), ("0.05", {"RD403"}), ("-0.4", {"RD403"}), ("-2", {"RD302", "RD403"})]
+)
+def test_a_centre_outside_is_told_by_the_twin(y: str, expected: set[str]) -> None:
+    """Once: where the centre has to be is what the twin tells. One that is far outside is an error by itself."""
+    box = '<visual>{}<geometry><box size="0.3 0.09 0.3"/></geometry></visual>'
+    text = two_arms(right=f'<origin xyz="0.1 {y} 0.2"/><mass value="2"/>{IMAGE}')
+    for side, at in (("left", ORIGIN), ("right", ORIGIN_IMAGE)):
+        text = text.replace(f'<link name="{side}_arm">', f'<link name="{side}_arm">{box.format(at)}')
+    assert codes(text) - {"RD301"} == expected
