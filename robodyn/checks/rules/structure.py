@@ -257,7 +257,7 @@ _SAME_PLACE = 1e-6
     Stage.TREE,
     good=two_elbows(),
     bad=('parent link="right_arm"', 'parent link="base"'),
-    explains=("RD111",),
+    explains=("RD111", "RD405"),
 )
 def odd_parent(context: Context) -> Faults:
     """A link has the parent that its namesake tells.

@@ -210,7 +210,8 @@ OF_TWO = ("RD401", "RD406", "RD517")
 
 @pytest.mark.parametrize("plant", sampled(PLANTS, 13), ids=called)
 def test_named_and_nothing_else(plant: Plant) -> None:
-    found = [one for one in fresh(plant) if one.code != "RD901"]  # MuJoCo refuses flat meshes, too
+    beside = ("RD901", "RD517") if plant.code == "RD610" else ("RD901",)  # two joints in one place turn about one line
+    found = [one for one in fresh(plant) if one.code not in beside]  # MuJoCo refuses flat meshes, too
     names = [one.subject.name for one in found if one.subject is not None]
     assert {one.code for one in found} == {plant.code}
     assert plant.name in names
