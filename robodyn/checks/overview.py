@@ -57,7 +57,8 @@ class Overview:
         mass: of all links [kg]; inf beyond the range of numbers.
         com: [m], or None without mass.
         at: the coordinates at which it is taken, each zero or the limit nearest to zero [rad or m].
-        notes: why there is no centre of mass, and which joints are beyond their limits all the same.
+        notes: why there is no centre of mass, and which joints are beyond their limits all the same; of formats other
+            than URDF, which are not checked, those of the model, too.
     """
 
     name: str
@@ -135,7 +136,7 @@ def overview(
         mass=mass,
         com=com,
         at=at,
-        notes=notes,
+        notes=notes if description.format == "urdf" else (*notes, *model.notes),
         meshes=meshes,
         checked=checked,
         next=_next("-" if isinstance(path, bytes) else path, model, checked, meshes, description),

@@ -78,6 +78,7 @@ def test_standard_input() -> None:
     done, wrong = (run("info", "-", stdin=text.encode()) for text in (ARM, ARM.replace("size", "sise")))
     assert (done.status, done.err) == (0, "")
     assert "upper" in done.out
+    assert "check: nothing, as rules read URDF and xacro" in done.out
     assert (wrong.status, wrong.out, wrong.err.count("\n")) == (2, "", 1)
     assert "<stdin>:2: MuJoCo refuses it: Schema violation: unrecognized attribute: 'sise'" in wrong.err
 
