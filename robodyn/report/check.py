@@ -300,7 +300,7 @@ def overview_sections(found: Overview) -> Iterator[doc.Section]:
     if found.mimics:
         freedoms += f"; {count(found.mimics, 'joint mimics another', 'joints mimic others')}"
     if found.loops:
-        freedoms += f"; of the open tree, which {count(found.loops, '<constraint> closes', '<constraint>s close')}"
+        freedoms += f"; of the open tree, which {count(found.loops, 'constraint closes', 'constraints close')}"
     centre = ""
     if found.com is not None:
         values = ", ".join(f"{name} {value:.6g}" for name, value in found.moved.items())
