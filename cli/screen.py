@@ -23,6 +23,14 @@ if TYPE_CHECKING:
 
 TRACEBACK = "ROBODYN_TRACEBACK"
 """The variable that asks for the traceback of an error above its line: any value but 0 or none."""
+_PLAIN = {
+    "is not a valid (float|float range)$": "is no number",
+    "is not a valid (integer|integer range)$": "is no whole number",
+    r"is not in the range x>=(\S+)$": r"is less than \1",
+}
+"""Sentences of click in words that need no mathematics."""
+_OPTIONS = {".toml": "--scene", **dict.fromkeys(TABLE_SUFFIXES, "--traj")}
+"""Options that take files which are given without one."""
 
 
 def page() -> Page:
@@ -98,16 +106,6 @@ def complain(error: object) -> None:
 
         print_exception(raised)
     print(f"error: {printable(' '.join(str(error).split()))}", file=sys.stderr)
-
-
-_PLAIN = {
-    "is not a valid (float|float range)$": "is no number",
-    "is not a valid (integer|integer range)$": "is no whole number",
-    r"is not in the range x>=(\S+)$": r"is less than \1",
-}
-"""Sentences of click in words that need no mathematics."""
-_OPTIONS = {".toml": "--scene", **dict.fromkeys(TABLE_SUFFIXES, "--traj")}
-"""Options that take files which are given without one."""
 
 
 def _sentence(error: click.ClickException) -> str:

@@ -52,6 +52,13 @@ from robodyn.trajectory.write import open_writer
 
 REMEDY = "give --out another folder"
 _SUFFIXES = {"csv": ".csv", "parquet": ".parquet", "npz": ".npz"}
+VERSION = f"{version_of('robodyn')}, code {code_digest(Path(robodyn.__file__).parent, without='cli')[:12]}"
+"""Of robodyn as this process has loaded it; the command line, which computes nothing, does not count."""
+_KEPT = threading.local()
+KEY = "inputs"
+"""Of the document, for what it was made from: `trajectory`, `digest`, and the `table` with its size in `bytes`."""
+PATIENCE = 10
+"""Seconds within which the scheduler must answer."""
 
 
 class Job(NamedTuple):
@@ -115,10 +122,6 @@ def _identity(path: str) -> tuple[int, int] | str:
     return os.path.realpath(path)
 
 
-VERSION = f"{version_of('robodyn')}, code {code_digest(Path(robodyn.__file__).parent, without='cli')[:12]}"
-"""Of robodyn as this process has loaded it; the command line, which computes nothing, does not count."""
-
-
 @dataclass(frozen=True)
 class Setup:
     """Robot, scene and options.
@@ -159,11 +162,6 @@ class Setup:
             while piece := stream.read(1 << 20):
                 hashed.update(piece)
         return hashed.hexdigest()
-
-
-_KEPT = threading.local()
-KEY = "inputs"
-"""Of the document, for what it was made from: `trajectory`, `digest`, and the `table` with its size in `bytes`."""
 
 
 def run_job(setup: Setup, job: Job) -> Outcome:
@@ -336,10 +334,6 @@ def worked_here(setup: Setup, jobs: Sequence[Job], count: int) -> Iterator[tuple
 def _run_quietly(setup: Setup, job: Job) -> Outcome:
     warnings.simplefilter("ignore")
     return run_job(setup, job)
-
-
-PATIENCE = 10
-"""Seconds within which the scheduler must answer."""
 
 
 def worked_there(setup: Setup, jobs: Sequence[Job], address: str) -> Iterator[tuple[int, Outcome]]:

@@ -6,6 +6,9 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass, field
 
+TOO_FEW = "by torques that are not trusted (too few samples)"
+"""The kind of caveat about what is derived from too few samples."""
+
 
 class RobodynError(Exception):
     """Something the user can put right. `str(error)` is the one line that the command line prints.
@@ -78,10 +81,6 @@ class MeshError(InputError):
 
 class RobodynWarning(RuntimeWarning):
     """What users are told that is no error; the command line prints it as one line."""
-
-
-TOO_FEW = "by torques that are not trusted (too few samples)"
-"""The kind of caveat about what is derived from too few samples."""
 
 
 @dataclass(frozen=True)

@@ -25,6 +25,11 @@ from robodyn.scene.fit import refuse_constraints, refuse_load
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
 
+MOST_OPERATIONS = 100_000
+"""Longer programs are refused: they take a minute to derive and minutes to compile."""
+MOST_BEFORE = 30_000
+"""First derivatives of more operations are not derived again: the second would have several times as many."""
+
 
 class InverseDerivatives(NamedTuple):
     """How torques change: matrices (..., n, n), row i for tau_i.
@@ -235,12 +240,6 @@ def _entries_runner(a_plan: Plan) -> tuple[Runner, NDArray[np.intp]]:
     ]
     program = Program(whole.operations, tuple(whole.outputs[(m * n + i) * n + j] for m, i, j in places))
     return runner_of(program, a_plan), np.array(places, np.intp).reshape(-1, 3).T
-
-
-MOST_OPERATIONS = 100_000
-"""Longer programs are refused: they take a minute to derive and minutes to compile."""
-MOST_BEFORE = 30_000
-"""First derivatives of more operations are not derived again: the second would have several times as many."""
 
 
 class SecondDerivatives(NamedTuple):

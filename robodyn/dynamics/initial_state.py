@@ -23,6 +23,18 @@ from robodyn.support.floats import Floats
 ROOM = 0.05
 """Of a joint's range, and rad or m at most: what is left to a limit where 0 is none of the positions between limits."""
 _NAMED = 8
+CLOSED = 1e-13
+"""m or rad that a loop may be open at the start, for links of up to a metre."""
+MISFIT = 1e-6
+"""The same for an equation that was dropped, which no motion of the robot can mend."""
+TRIES = 60
+LONGEST = 0.3
+"""rad or m, of a correction."""
+AWAY = 0.1
+"""rad or m, to where the rank of J is looked at again."""
+LOOKS = 3
+FEW = 1e-6
+"""Singular values of J that are a smaller part of the largest count as none: loops are closed to rounding there."""
 
 
 def default_pose(model: Model) -> Floats:
@@ -81,15 +93,6 @@ def limits_at_start(model: Model, scene: Scene) -> list[str]:
 
 def _first(names: list[str]) -> str:
     return ", ".join(names[:_NAMED]) + (f" and {len(names) - _NAMED} more" if len(names) > _NAMED else "")
-
-
-CLOSED = 1e-13
-"""m or rad that a loop may be open at the start, for links of up to a metre."""
-MISFIT = 1e-6
-"""The same for an equation that was dropped, which no motion of the robot can mend."""
-TRIES = 60
-LONGEST = 0.3
-"""rad or m, of a correction."""
 
 
 def closed_start(plan: Plan, state: Floats) -> Floats:
@@ -216,13 +219,6 @@ def check_dropped(chain: ClosedChain, q: Floats) -> None:
                 f"{equation.about} of {closure.loop.to}, wherever the joints stand",
                 remedy='correct "point" and "to_point", or name the "directions" along which it is held',
             )
-
-
-AWAY = 0.1
-"""rad or m, to where the rank of J is looked at again."""
-LOOKS = 3
-FEW = 1e-6
-"""Singular values of J that are a smaller part of the largest count as none: loops are closed to rounding there."""
 
 
 @lru_cache(maxsize=16)

@@ -31,6 +31,13 @@ from robodyn.solids.inertia.laws import Inertia
 from robodyn.support.floats import Floats
 from robodyn.support.wording import alternatives, shown
 
+Point = tuple[float, float, float]
+
+GROUND = "ground"
+COLUMNS = (*(f"{name}_{axis}" for name in ("com", "p", "L") for axis in "xyz"), "T", "V")
+_KINETIC = (motors.ROTOR, motors.COUPLED, motors.GYROSCOPIC)
+"""The effects that store kinetic energy."""
+
 
 def dual_state(
     model: Model, q: Sequence[Scalar], qd: Sequence[Scalar], qdd: Sequence[Scalar]
@@ -96,12 +103,6 @@ def total_momenta(parents: Sequence[int], motions: Sequence[Motion], inertias: S
             P[j], H[j] = P[j] + P_in, H[j] + R @ H[i] + cross(p, P_in)
             m[j], mc[j] = m[j] + m[i], mc[j] + R @ mc[i] + m[i] * p
     return TotalMomenta(P[0], H[0], 0.5 * twice_T, m[0], mc[0])
-
-
-Point = tuple[float, float, float]
-
-GROUND = "ground"
-COLUMNS = (*(f"{name}_{axis}" for name in ("com", "p", "L") for axis in "xyz"), "T", "V")
 
 
 @dataclass(frozen=True)
@@ -193,10 +194,6 @@ def momenta(
 
 def _mass(model: Model, scene: Scene) -> float:
     return model.total_mass + sum(payload.mass for payload in scene.payloads)
-
-
-_KINETIC = (motors.ROTOR, motors.COUPLED, motors.GYROSCOPIC)
-"""The effects that store kinetic energy."""
 
 
 @lru_cache(maxsize=16)

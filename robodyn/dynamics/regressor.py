@@ -52,6 +52,15 @@ from robodyn.support.wording import alternatives, shown
 
 INERTIAL = ("m", "mx", "my", "mz", "Ixx", "Ixy", "Ixz", "Iyy", "Iyz", "Izz")
 """Of each body: mass [kg], first moments [kg m], and moments about its frame's origin [kg m^2], in its axes."""
+_MOTION = (GRAVITY, INERTIA, CORIOLIS, MOVING_BASE)
+_LINEAR = (*_MOTION, PAYLOAD, VISCOUS, COULOMB, ROTOR, COUPLED, GYROSCOPIC)
+"""The effects that the parameters stand for."""
+OF_JOINTS = ("viscous", "forward", "backward", "stribeck", "load", "rotor")
+"""Parameters of each hinge and slide, and of each coupled motor."""
+_MISFIT = 5.0
+"""Standard errors from a parameter's value in a covariance file, beyond which that is another robot's."""
+Row = Sequence[tuple[int, float]]
+"""A sum of loads, each by its number and its weight; loads are numbered as `Plan.wrenches` has them, with joints."""
 
 
 class Regressor(NamedTuple):
@@ -129,11 +138,6 @@ def regressor_program(plan: Plan, tape: Tape) -> Iterable[Scalar]:
         if effect.by_load:
             rest = [a + b for a, b in zip(rest, plan.missing_without(tape, effect), strict=True)]
     return [*(x for row in linear for x in row), *rest]
-
-
-_MOTION = (GRAVITY, INERTIA, CORIOLIS, MOVING_BASE)
-_LINEAR = (*_MOTION, PAYLOAD, VISCOUS, COULOMB, ROTOR, COUPLED, GYROSCOPIC)
-"""The effects that the parameters stand for."""
 
 
 @lru_cache(maxsize=16)
@@ -223,10 +227,6 @@ def pivoted(C: Floats) -> Floats:
     return L
 
 
-OF_JOINTS = ("viscous", "forward", "backward", "stribeck", "load", "rotor")
-"""Parameters of each hinge and slide, and of each coupled motor."""
-
-
 def variations(model: Model, scene: Scene) -> Variations:
     """Return what is uncertain of a robot; SceneError if nothing varies, or a covariance names no parameter of it."""
     given = scene.uncertainty or Uncertainty()
@@ -296,10 +296,6 @@ def misfits(model: Model, scene: Scene) -> tuple[str, ...]:
     return (f"{what} {here[worst]:.4g}, {off[worst]:.3g} standard errors apart",)
 
 
-_MISFIT = 5.0
-"""Standard errors from a parameter's value in a covariance file, beyond which that is another robot's."""
-
-
 def _of_covariance(given: Covariance, model: Model, scene: Scene) -> Variations:
     deviations = np.sqrt(np.diag(given.covariance))
     known = {f"{body.name}.{name}" for body in model.bodies for name in INERTIAL}
@@ -332,10 +328,6 @@ def _of_covariance(given: Covariance, model: Model, scene: Scene) -> Variations:
     correlation = given.covariance[np.ix_(kept, kept)] / (sizes[:, None] * sizes)
     factor = None if np.array_equal(correlation, np.eye(len(each))) else pivoted(correlation)
     return Variations(tuple(each), factor)
-
-
-Row = Sequence[tuple[int, float]]
-"""A sum of loads, each by its number and its weight; loads are numbered as `Plan.wrenches` has them, with joints."""
 
 
 def summed(rows: Iterable[Row], loads: Sequence[Any]) -> list[Any]:

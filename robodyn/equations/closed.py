@@ -28,6 +28,10 @@ ROUNDING = 4 * EPS
 
 Angle = tuple[float, ...]
 """Multiples of the generators; the first that is not zero is positive."""
+DIGITS = 10
+"""Decimals of up to so many digits count as short."""
+SHORT = 16 * 2.0**-52
+"""A coefficient this near a short decimal, as a share of itself, is taken to be that decimal."""
 
 
 class Key(NamedTuple):
@@ -125,12 +129,6 @@ def _upright(kind: str, angle: Angle) -> tuple[Angle, float]:
 
 def _pruned(terms: Polynomial) -> Polynomial:
     return {key: entry for key, entry in terms.items() if abs(entry.value) > ROUNDING * entry.size}
-
-
-DIGITS = 10
-"""Decimals of up to so many digits count as short."""
-SHORT = 16 * 2.0**-52
-"""A coefficient this near a short decimal, as a share of itself, is taken to be that decimal."""
 
 
 class Forms:

@@ -32,6 +32,9 @@ from robodyn.solids.inertia.properties import MassProperties, from_inertia, from
 from robodyn.support.floats import Floats
 from robodyn.support.wording import count, figure, listed, shown, shown_path, toml_key, toml_string
 
+_LEFT = 1e-3
+"""The part of a body, in its every direction, that is left to its main link at least."""
+
 
 @dataclass(frozen=True)
 class Errors:
@@ -332,10 +335,6 @@ def _dynamics(model: Model, view: View, theta: dict[str, float]) -> tuple[list[E
 
 def _numbers(*values: float) -> str:
     return " ".join(repr(float(value)) for value in values)
-
-
-_LEFT = 1e-3
-"""The part of a body, in its every direction, that is left to its main link at least."""
 
 
 def link_inertias(model: Model, described: Floats, theta: Floats) -> tuple[dict[str, MassProperties], list[str]]:

@@ -11,6 +11,14 @@ from robodyn.scene.scene import Vector
 from robodyn.support.floats import first_largest
 from robodyn.support.wording import count, figure, shown
 
+_BASE = frozenset(f"base_{part}{axis}" for part in "wv" for axis in "xyz")
+_WHY = {
+    "slip": "feet would slip, more friction would do",
+    "pull": "contacts had to pull",
+    "tip": "the robot tips over",
+    "fly": "no contact is on",
+}
+
 
 class Peak(NamedTuple):
     """A value, when [s], and in which row of the data, from 1."""
@@ -171,12 +179,3 @@ class Constraints:
             )
             caveats.append(Caveat("by torques that are not determined at singular places", said))
         return tuple(caveats)
-
-
-_BASE = frozenset(f"base_{part}{axis}" for part in "wv" for axis in "xyz")
-_WHY = {
-    "slip": "feet would slip, more friction would do",
-    "pull": "contacts had to pull",
-    "tip": "the robot tips over",
-    "fly": "no contact is on",
-}

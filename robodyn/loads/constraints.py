@@ -36,6 +36,17 @@ from robodyn.support.floats import Floats, einsum, steady
 from robodyn.trajectory.motion import Sampling, Trajectory
 from robodyn.trajectory.read import sources_of
 
+MOST_SPANS = 20
+"""Spans without contact forces that are told one by one."""
+ROUNDING = 1e-9
+"""A smaller distance from an edge [m], or from all of the friction, is none."""
+NOTHING = 1e-9
+"""Of the largest force at any point: a point with less bears nothing but rounding."""
+TOLD = 1e-6
+"""Of the largest torque of the motion: less than that at a passive joint is not told."""
+MOST_PLACES = 20
+"""Singular places that are told one by one."""
+
 
 class Follower:
     """Completes the blocks of a motion whose scene has loops, one after another; `follow` tells which of several
@@ -205,14 +216,6 @@ class ConstraintPass:
         return replace(self.figures.report(), followed=self.names)
 
 
-MOST_SPANS = 20
-"""Spans without contact forces that are told one by one."""
-ROUNDING = 1e-9
-"""A smaller distance from an edge [m], or from all of the friction, is none."""
-NOTHING = 1e-9
-"""Of the largest force at any point: a point with less bears nothing but rounding."""
-
-
 class ContactFigures:
     """Gathers what contacts bear.
 
@@ -317,12 +320,6 @@ def _peak(found: Greatest, sign: float = 1.0) -> Peak | None:
     if found.score[0] == -np.inf:
         return None
     return Peak(sign * float(found.score[0]) + 0.0, float(found.time[0]), int(found.row[0]))
-
-
-TOLD = 1e-6
-"""Of the largest torque of the motion: less than that at a passive joint is not told."""
-MOST_PLACES = 20
-"""Singular places that are told one by one."""
 
 
 class ConstraintFigures:

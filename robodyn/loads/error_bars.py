@@ -34,6 +34,8 @@ NEGLIGIBLE = 1e-3
 TINY = 1e-300
 RATE = 100.0
 """Hz that is asked for, and more where there are more samples than that already."""
+VANISHING = 0.01
+"""Of the weight, or of the largest force that balances: a base wrench below it is rounding or noise."""
 
 
 def bar_caveats(joints: Sequence[JointLoad], sizing: Sizing | None) -> Iterator[Caveat]:
@@ -57,10 +59,6 @@ def bar_caveats(joints: Sequence[JointLoad], sizing: Sizing | None) -> Iterator[
             who = f"{whose}{shown(joint.name)}{f', and {len(near_it) - 1} more,' if len(near_it) > 1 else ''}"
             said = f"the peak of {who} {what}: {figure(peak)} within {figure(bar, 2)} {joint.unit}, limit {limit:g}"
             yield Caveat(f"unless within the error bar of {who.rstrip(',')}", f"{said} {joint.unit}")
-
-
-VANISHING = 0.01
-"""Of the weight, or of the largest force that balances: a base wrench below it is rounding or noise."""
 
 
 def carried(

@@ -10,6 +10,7 @@ from robodyn.robot.limits import Coverage, within
 from robodyn.support.floats import ranked
 
 Status = Literal["computed", "finished before", "failed"]
+_LEVELS = (None, "no limits", "OK", "over continuous", "over peak")
 
 
 @dataclass(frozen=True)
@@ -103,6 +104,3 @@ class Batch:
             worst = vars(peak) | {"rms": rms.rms, "max_speed": abs(speed.max_speed), "level": level.level}
             every.append(Worst(**worst, peak_in=peak_in, rms_in=rms_in, max_speed_in=speed_in, level_in=level_in))
         return tuple(every)
-
-
-_LEVELS = (None, "no limits", "OK", "over continuous", "over peak")

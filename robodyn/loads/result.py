@@ -18,6 +18,11 @@ if TYPE_CHECKING:
     from robodyn.loads.history import History
     from robodyn.loads.uncertainty_result import Uncertain
 
+Level = Literal["OK", "over continuous", "over peak", "no limits"]
+Quantity = Literal[
+    "motor torque", "motor speed", "RMS motor torque", "gear torque", "mean gear torque", "effort", "velocity"
+]
+
 
 @dataclass(frozen=True)
 class ShaftLoad:
@@ -205,12 +210,6 @@ class Promise:
     expected: float
     met: bool
     said: str
-
-
-Level = Literal["OK", "over continuous", "over peak", "no limits"]
-Quantity = Literal[
-    "motor torque", "motor speed", "RMS motor torque", "gear torque", "mean gear torque", "effort", "velocity"
-]
 
 
 @dataclass(frozen=True)

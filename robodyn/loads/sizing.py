@@ -30,6 +30,15 @@ from robodyn.scene.scene import Curve, Motor, Scene
 from robodyn.support.floats import BEYOND, Floats, steady
 from robodyn.trajectory.motion import Trajectory
 
+LEAST = 1e-9
+"""Of a peak curve's largest torque: what its use is measured by where it allows less, beyond its last speed."""
+NAMES = {"revolute": ("fu", "fv", "fa", "mu", "mv"), "prismatic": ("fu", "fv", "mu", "mv", "ma")}
+_RESULTANTS = ("radial", "tilting")
+_WIDTH = 7
+PIECE = 8192
+"""Samples worked on at a time, so that what belongs to them stays in the cache."""
+FOUNDATION = ("fxy", "fz", "mxy", "mz")
+
 
 class Train(NamedTuple):
     """The way from a motor to its joint; gear: turns of the motor per turn of the joint (rad/m for a slide); inertia:
@@ -100,10 +109,6 @@ def allowed(torque: float | Curve | None, speed: Floats | float) -> Floats:
     return np.asarray(np.interp(speed, speeds, torques, right=0.0))
 
 
-LEAST = 1e-9
-"""Of a peak curve's largest torque: what its use is measured by where it allows less, beyond its last speed."""
-
-
 class MotorPass(ShaftFigures):
     """Peaks and integrals at the shafts of motors; gear: the largest torque that each gear bears, in magnitude."""
 
@@ -168,11 +173,6 @@ class MotorPass(ShaftFigures):
         )
 
 
-NAMES = {"revolute": ("fu", "fv", "fa", "mu", "mv"), "prismatic": ("fu", "fv", "mu", "mv", "ma")}
-_RESULTANTS = ("radial", "tilting")
-_WIDTH = 7
-
-
 class BearingPass:
     """Peaks and mean squares of the five components that each joint cannot give way to."""
 
@@ -226,11 +226,6 @@ def frame(axis: Floats) -> Floats:
         u = np.cross(axis, np.eye(3)[int(along.argmin())])
         u /= length(u)
     return np.array([u, np.cross(axis, u), axis])
-
-
-PIECE = 8192
-"""Samples worked on at a time, so that what belongs to them stays in the cache."""
-FOUNDATION = ("fxy", "fz", "mxy", "mz")
 
 
 class SizingPass:

@@ -21,6 +21,7 @@ from robodyn.trajectory.columns.signals import COMPONENTS
 
 FOUNDATION = (*COMPONENTS, "fxy", "mxy")
 """Of the base wrench in reports: its components, and the resultants in the ground's plane that foundations bear."""
+REMEDY = "are masses, lengths, times and the motion in SI units?"
 
 
 class Greatest:
@@ -177,9 +178,6 @@ class Statistics(ShaftFigures):
         }
         for joint, at in self.gather(time, row, tau, qd, more):
             self.at_peak[joint] = {name: values[at].copy() for name, values in state.items()}
-
-
-REMEDY = "are masses, lengths, times and the motion in SI units?"
 
 
 def check_loads(loads: Floats, names: Sequence[str], first_row: int, file: str | None) -> None:

@@ -25,6 +25,12 @@ _PAIRS = (("radial", 0, 1), ("tilting", 3, 4)), (("radial", 0, 1), ("tilting", 2
 
 DRIVE = ("tau", "motor", "use", "gear")
 """Figures of a joint: its torque, its motor's, that as a share of the peak curve, and what the gear bears."""
+ROOM = 4_000_000
+"""Numbers of derivatives that are held at a time."""
+GROWING = 0.1
+"""Friction that grows with load more than this may put error bars off by more than 5 %."""
+ROWS = 1024
+"""Samples that are kept of the whole motion at the most, evenly spread, and half as many at least."""
 
 
 class Figure(NamedTuple):
@@ -141,14 +147,6 @@ def _bearing(joint: Joint, first: int) -> list[Row]:
     ]
     del turned[2 if joint.kind == "prismatic" else 5]  # to which the joint gives way
     return turned
-
-
-ROOM = 4_000_000
-"""Numbers of derivatives that are held at a time."""
-GROWING = 0.1
-"""Friction that grows with load more than this may put error bars off by more than 5 %."""
-ROWS = 1024
-"""Samples that are kept of the whole motion at the most, evenly spread, and half as many at least."""
 
 
 class Kept(NamedTuple):

@@ -9,6 +9,8 @@ from typing import Literal
 from robodyn.errors import Caveat
 
 Method = Literal["linear", "draws"]
+SURE = 0.95
+"""A verdict that holds with a smaller probability is in doubt."""
 
 
 @dataclass(frozen=True)
@@ -68,10 +70,6 @@ class UncertainJoint:
     motor: UncertainLoad | None
     limits: tuple[UncertainLimit, ...]
     suffices: float | None
-
-
-SURE = 0.95
-"""A verdict that holds with a smaller probability is in doubt."""
 
 
 @dataclass(frozen=True)

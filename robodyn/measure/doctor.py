@@ -26,6 +26,9 @@ from robodyn.support.wording import count
 Verdict = Literal["ok", "note", "missing", "broken"]
 _FEATURES = ("avx512f", "avx2", "fma", "sve", "neon")
 _PROBE = Key("doctor", "doctor")
+TOLERANCE = 8 * float(np.finfo(float).eps)
+"""Of the largest result: what rounding may make of the few operations."""
+_SAMPLES = 1000
 
 
 @dataclass(frozen=True)
@@ -152,11 +155,6 @@ def _environment(variables: Mapping[str, str]) -> Iterator[Line]:
         remark = f"no such folder: {', '.join(lost)}" if lost else ""
         found = meaning if value is None else value or "empty"
         yield Line("environment", name, found, "note" if lost else "ok", remark)
-
-
-TOLERANCE = 8 * float(np.finfo(float).eps)
-"""Of the largest result: what rounding may make of the few operations."""
-_SAMPLES = 1000
 
 
 @dataclass(frozen=True)

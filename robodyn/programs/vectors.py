@@ -29,6 +29,7 @@ ZERO = np.zeros(3)
 ZERO.flags.writeable = False
 IDENTITY = np.eye(3)
 IDENTITY.flags.writeable = False
+_SUMS = ("j,j->", "j,...jk->...k"), ("...ij,j->...i", "...ij,...jk->...ik")
 
 
 def _elementary(name: str, of_float: Callable[[float], float]) -> Callable[[Scalar], Scalar]:
@@ -75,9 +76,6 @@ def product(*factors: Array) -> Any:
         objects = A.dtype.hasobject or B.dtype.hasobject
         A = A @ B if objects else einsum(_SUMS[A.ndim > 1][B.ndim > 1], A, B)
     return A
-
-
-_SUMS = ("j,j->", "j,...jk->...k"), ("...ij,j->...i", "...ij,...jk->...ik")
 
 
 def narrowed(x: Array) -> Array:

@@ -31,6 +31,18 @@ if TYPE_CHECKING:
 LEVELS: dict[Severity, doc.Level] = {Severity.ERROR: "bad", Severity.WARNING: "doubtful", Severity.NOTE: "neutral"}
 UNFIT = "not fit for use as it is"
 _NAMED = 8
+_PLACES, _PLACES_SAID = 40, 10
+"""Further places that are listed: by name alone, and with a sentence each."""
+_WIDTH = 100
+_WEIGHT = {
+    Severity.ERROR: "error: the check fails",
+    Severity.WARNING: "warning: the check fails with --strict",
+    Severity.NOTE: "note: the check does not fail",
+}
+_UNITS = {"prismatic": ("m", "N", "m/s")}
+_ANGULAR = ("rad", "N m", "rad/s")
+_MOST_MISSING = 5
+_DEEPEST = 40
 
 
 def check_line(checked: Checked) -> str:
@@ -78,11 +90,6 @@ def check_verdict(checked: Checked) -> doc.Verdict:
     rest = len(worst) - len(lines)
     lines += [f"{count(rest, 'more error')}: robodyn check lists all."] if rest else []
     return doc.Verdict(level, headline, (*lines, *(f"{each.file}: {each.why}." for each in checked.unread)))
-
-
-_PLACES, _PLACES_SAID = 40, 10
-"""Further places that are listed: by name alone, and with a sentence each."""
-_WIDTH = 100
 
 
 def further(finding: Finding) -> list[str]:
@@ -227,13 +234,6 @@ def fix_lines(files: Iterable[Fixed], did: str) -> list[str]:
     return lines
 
 
-_WEIGHT = {
-    Severity.ERROR: "error: the check fails",
-    Severity.WARNING: "warning: the check fails with --strict",
-    Severity.NOTE: "note: the check does not fail",
-}
-
-
 def rules_sections(rules: Sequence[Rule]) -> Iterator[doc.Section]:
     """Yield what each rule asks for, why, and an example of both."""
     for rule in rules:
@@ -278,12 +278,6 @@ def check_json(checked: Checked) -> str:
             "summary": {"files": len(checked.files), **check_data(checked), "hidden": len(checked.hidden)},
         }
     )
-
-
-_UNITS = {"prismatic": ("m", "N", "m/s")}
-_ANGULAR = ("rad", "N m", "rad/s")
-_MOST_MISSING = 5
-_DEEPEST = 40
 
 
 def overview_sections(found: Overview) -> Iterator[doc.Section]:

@@ -24,6 +24,10 @@ from robodyn.robot.model import Joint, Model
 from robodyn.support.floats import Floats
 from robodyn.support.wording import alternatives, count, listed, shown
 
+Values = Sequence[float] | Mapping[str, float]
+
+_UNITS = {"revolute": "rad", "prismatic": "m"}
+
 
 class Motion(NamedTuple):
     """How a body moves relative to its parent; see `joint_motion`.
@@ -161,11 +165,6 @@ class Wrench(NamedTuple):
 
     f: Array
     n: Array
-
-
-Values = Sequence[float] | Mapping[str, float]
-
-_UNITS = {"revolute": "rad", "prismatic": "m"}
 
 
 def coordinates(model: Model) -> tuple[str, ...]:

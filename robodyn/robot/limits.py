@@ -18,6 +18,8 @@ Quantity = Literal["effort", "velocity", "position"]
 
 MOST_EFFORT, MOST_VELOCITY = 1e5, 1e4
 """Limits of effort [N m, N] and velocity [rad/s, m/s] from which on a number stands for "none"."""
+Reached = tuple[float, float | None, float, float]
+"""What a joint reaches along a motion, its limit, when it is worst and how long it is exceeded [s]."""
 
 
 @dataclass(frozen=True)
@@ -75,10 +77,6 @@ def coverage(joints: Sequence[Joint]) -> tuple[Coverage, ...]:
         unchecked = tuple(Unchecked(*each) for each in limits.items() if each[0] not in checked)
         found.append(Coverage(quantity, tuple(checked), unchecked))
     return tuple(found)
-
-
-Reached = tuple[float, float | None, float, float]
-"""What a joint reaches along a motion, its limit, when it is worst and how long it is exceeded [s]."""
 
 
 def reached_beyond(joint: str, unit: str, effort: Reached, velocity: Reached) -> list[Excess]:

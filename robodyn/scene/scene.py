@@ -15,6 +15,13 @@ from robodyn.support.wording import call_of
 if TYPE_CHECKING:
     from robodyn.scene.uncertainty import Uncertainty
 
+Curve = tuple[tuple[float, float], ...]
+"""(speed, torque) points with increasing speeds, straight lines between them; nothing beyond the last speed."""
+GROUND = "ground"
+"""What a loop calls the ground, where no link of the robot has that name."""
+ALWAYS, AUTO = "always", "auto"
+"""Of a contact, `on`: in every sample, or where its points are low and slow."""
+
 
 @dataclass(frozen=True)
 class Rule:
@@ -195,10 +202,6 @@ class LimitSpring(FrozenValue):
     damping: NonNegative = 0.0
 
 
-Curve = tuple[tuple[float, float], ...]
-"""(speed, torque) points with increasing speeds, straight lines between them; nothing beyond the last speed."""
-
-
 @dataclass(frozen=True)
 class Motor(FrozenValue):
     """What drives a joint. Rotor inertia and gear ratio stand in the scene's `Rotor` of the joint.
@@ -219,10 +222,6 @@ class Motor(FrozenValue):
     max_speed: IfKnown | None = None
     gear_average: IfKnown | None = None
     gear_peak: IfKnown | None = None
-
-
-GROUND = "ground"
-"""What a loop calls the ground, where no link of the robot has that name."""
 
 
 @dataclass(frozen=True)
@@ -249,10 +248,6 @@ class Loop(FrozenValue):
     to_axis: Vector = (0.0, 0.0, 0.0)
     rpy: Vector = (0.0, 0.0, 0.0)
     directions: tuple[Vector, ...] = ()
-
-
-ALWAYS, AUTO = "always", "auto"
-"""Of a contact, `on`: in every sample, or where its points are low and slow."""
 
 
 @dataclass(frozen=True)

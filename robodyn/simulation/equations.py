@@ -36,6 +36,8 @@ STATE = "state"
 """The source of programs whose columns are q, qd, the work done so far and the step."""
 Given = Mapping[Curve, Scalar]
 """The values of a scene's curves at one moment."""
+REST = 2.0**-16
+"""Times the square of positions (and 1) per step; what is left of that in a step is less than their rounding."""
 
 
 class Rates(NamedTuple):
@@ -222,10 +224,6 @@ def check_applies(plan: Plan, method: Method) -> None:
         causes += ["drives with kd"] * any(drive.kd for drive in scene.drive.values())
         what = f"verlet does not apply: accelerations depend on speeds ({', '.join(causes)})"
         raise InputError(what, remedy="--method gauss2 keeps energy too, whatever forces there are")
-
-
-REST = 2.0**-16
-"""Times the square of positions (and 1) per step; what is left of that in a step is less than their rounding."""
 
 
 class Steps:

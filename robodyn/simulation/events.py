@@ -13,6 +13,13 @@ from robodyn.errors import InputError
 from robodyn.robot.model import Joint, Model
 from robodyn.support.floats import Floats, first_largest
 
+ASIDE = 0.25
+"""Of a step, to both sides of an extremum of the interpolant: there is that of the method."""
+DIP = 8.0 / 27.0
+"""Cubics dip by at most half of this times the sum of their slopes: twice that deep they may be by the method."""
+FINEST = 1e-8
+"""Of a step: an extremum found to this has its value to a rounding."""
+
 
 class Stop(NamedTuple):
     """A limit: `side * (value - joint's position)` is the room that is left."""
@@ -72,14 +79,6 @@ class Limits:
     def reached(self, q: Floats, time: float) -> str:
         """That a joint reaches the limit that q (nq) is nearest to, or farthest beyond."""
         return f"{self.stops[first_largest(-self.room(q))].met('reaches')} at {time:.6g} s"
-
-
-ASIDE = 0.25
-"""Of a step, to both sides of an extremum of the interpolant: there is that of the method."""
-DIP = 8.0 / 27.0
-"""Cubics dip by at most half of this times the sum of their slopes: twice that deep they may be by the method."""
-FINEST = 1e-8
-"""Of a step: an extremum found to this has its value to a rounding."""
 
 
 class Touch(NamedTuple):

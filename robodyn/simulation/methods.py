@@ -10,6 +10,13 @@ from robodyn.errors import InputError
 from robodyn.support.floats import Floats
 from robodyn.support.wording import alternatives
 
+STEP = 1e-3
+"""s, where neither a step nor a tolerance is given."""
+RTOL = 1e-9
+"""Of an adaptive method, where none is given."""
+LEAST_RTOL = 1e-13
+"""Below, SciPy's methods only follow rounding."""
+
 
 @dataclass(frozen=True)
 class Method:
@@ -111,14 +118,6 @@ def method_named(name: str) -> Method:
             return method
     known = tuple(method.name for method in METHODS)
     raise InputError(f"there is no method {name!r}", remedy=alternatives(name, known, "methods"))
-
-
-STEP = 1e-3
-"""s, where neither a step nor a tolerance is given."""
-RTOL = 1e-9
-"""Of an adaptive method, where none is given."""
-LEAST_RTOL = 1e-13
-"""Below, SciPy's methods only follow rounding."""
 
 
 class TooMuchError(InputError):

@@ -44,6 +44,8 @@ ROUNDING = 1e-10
 TOO_LONG = "by steps that are too long for it (STEP TOO LONG)"
 DRIFTS = "by steps that do not keep the energy (ENERGY DRIFTS)"
 """The kinds of caveats about steps that are kept though they are too long, and about motions whose balance is off."""
+Chosen = tuple[MethodOptions, tuple[str, ...]]
+"""By which method and step a motion is followed, and notes about that."""
 
 
 @lru_cache(maxsize=16)
@@ -202,10 +204,6 @@ def rounded(step: float) -> float:
     """The largest of 1, 2 and 5 times a power of ten that is no more than this."""
     power = 10.0 ** floor(log10(step))
     return float(f"{max(k for k in (1, 2, 5) if k * power <= step * (1 + 1e-12)) * power:.1g}")
-
-
-Chosen = tuple[MethodOptions, tuple[str, ...]]
-"""By which method and step a motion is followed, and notes about that."""
 
 
 class Free(NamedTuple):

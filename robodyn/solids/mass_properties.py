@@ -50,6 +50,12 @@ if TYPE_CHECKING:
 
 LONGEST = 20.0
 """Metres above which a part is suspected to be in millimetres: longer than any arm, shorter than a small part in mm."""
+_FLAT = 1e-12
+"""Volume over area and width below which a shell may have no sign: ten times what `nesting` asks."""
+
+_COLLINEAR = 64 * float_info.epsilon
+"""Area, over the square of the reach of the box, below which three corners may lie on a line: their edges from the
+reference are exact within 2 eps, and the products of these within 35 eps."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -218,14 +224,6 @@ def mass_properties(
         warnings=(*warnings, *found.remarks),
         notes=triangles.notes + notes,
     )
-
-
-_FLAT = 1e-12
-"""Volume over area and width below which a shell may have no sign: ten times what `nesting` asks."""
-
-_COLLINEAR = 64 * float_info.epsilon
-"""Area, over the square of the reach of the box, below which three corners may lie on a line: their edges from the
-reference are exact within 2 eps, and the products of these within 35 eps."""
 
 
 def is_sound(triangles: Triangles, integrals: Integrals, edges: Fingerprint) -> bool:

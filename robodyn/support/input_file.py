@@ -27,6 +27,14 @@ VARIABLE = "ROBODYN_LIMITS"
 """`ROBODYN_LIMITS=csv_columns=5000,file_bytes=4e9` changes limits by name; child processes inherit it."""
 
 _Error = TypeVar("_Error", bound=InputError)
+LFS_POINTER = b"version https://git-lfs.github.com/spec/"
+"""How a file begins that stands for another, which Git LFS has not fetched."""
+
+_PART = 1 << 20
+_AT_ONCE = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0)
+"""Opens without waiting for the other end of a pipe; this also never waits for what special files may bring."""
+_DESCRIPTOR = re.compile(r"/dev/(stdin|fd/\d+)|/proc/self/fd/\d+")
+_KINDS = {stat.S_IFIFO: "a pipe", stat.S_IFSOCK: "a socket", stat.S_IFCHR: "a device", stat.S_IFBLK: "a device"}
 
 
 @dataclass(frozen=True)
@@ -105,16 +113,6 @@ def _asked_for(text: str) -> InputLimits:
             what = f"{VARIABLE}: {name!r:.60} is no limit" if name not in known else f"{VARIABLE}: {part!r:.60}"
             raise InputError(what, remedy=f"limits: {', '.join(sorted(known))}; each a number from 0 on")
     return InputLimits(**found)
-
-
-LFS_POINTER = b"version https://git-lfs.github.com/spec/"
-"""How a file begins that stands for another, which Git LFS has not fetched."""
-
-_PART = 1 << 20
-_AT_ONCE = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0)
-"""Opens without waiting for the other end of a pipe; this also never waits for what special files may bring."""
-_DESCRIPTOR = re.compile(r"/dev/(stdin|fd/\d+)|/proc/self/fd/\d+")
-_KINDS = {stat.S_IFIFO: "a pipe", stat.S_IFSOCK: "a socket", stat.S_IFCHR: "a device", stat.S_IFBLK: "a device"}
 
 
 def open_input(path: str | os.PathLike[str], typed: bool = False) -> BufferedReader:

@@ -21,6 +21,10 @@ _LONGEST = 60.0
 """Seconds that all of them may take."""
 _MARK = "\x1e"
 """Before an answer, for modules may print too."""
+_WARNINGS = threading.RLock()
+"""Filters of warnings belong to the process: who changes them at the same time may leave them changed."""
+_FILTERS = threading.Lock()
+"""Lists of filters are replaced, not changed: another thread may be going through them."""
 
 
 class Installed(NamedTuple):
@@ -77,12 +81,6 @@ def import_each(*modules: str) -> None:
         except BaseException as error:
             problem = (str(error).partition("\n")[0] or type(error).__name__)[:200]
         print(_MARK + json.dumps(problem), flush=True)
-
-
-_WARNINGS = threading.RLock()
-"""Filters of warnings belong to the process: who changes them at the same time may leave them changed."""
-_FILTERS = threading.Lock()
-"""Lists of filters are replaced, not changed: another thread may be going through them."""
 
 
 @contextmanager

@@ -14,6 +14,9 @@ from robodyn.errors import InputError
 
 MOST_OF_WINDOWS = 61
 """Processes that one process can wait for under Windows."""
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+_END = object()
 
 
 def cores(asked: int | None = None) -> int:
@@ -32,11 +35,6 @@ def processes(jobs: int, asked: int | None = None, platform: str = sys.platform)
     """Return how many processes do some jobs: those asked for, or one for each core, as far as the system can."""
     most = MOST_OF_WINDOWS if platform == "win32" else jobs
     return min(asked or cores(), jobs, most)
-
-
-Item = TypeVar("Item")
-Result = TypeVar("Result")
-_END = object()
 
 
 def in_threads(work: Callable[[Item], Result], items: Iterable[Item], threads: int | None = None) -> list[Result]:

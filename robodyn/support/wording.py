@@ -17,6 +17,7 @@ _MOST_CANDIDATES = 1000
 _MOST_MEANT = 3
 _SLIPS, _PART = 2, 3
 """Letters in which a name may differ from the one that was meant, and that two names share to be like each other."""
+_SURMISES = "it may be that ", "one of these: "
 
 
 def shown(text: str) -> str:
@@ -65,9 +66,6 @@ def listed_paths(paths: Collection[str]) -> str:
 def count(amount: int, noun: str, plural: str = "") -> str:
     """Return a number with its noun in the singular or the plural, which ends in s if it is not given."""
     return f"{amount} {noun if amount == 1 else plural or f'{noun}s'}"
-
-
-_SURMISES = "it may be that ", "one of these: "
 
 
 def one_of(what: Iterable[str]) -> str | None:

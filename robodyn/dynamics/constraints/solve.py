@@ -43,6 +43,17 @@ from robodyn.scene.scene import ALWAYS, AUTO, EFFORT, GROUND, Scene
 from robodyn.support.floats import Floats, einsum
 from robodyn.support.wording import shown
 
+PIECE = 2048
+"""Samples worked on at a time, so that memory does not grow with the motion."""
+REFERENCES = 16
+"""Samples of the first block by which ranks are decided."""
+BALANCED = 1e-9
+"""Of the largest generalised force of a sample: a smaller remainder at passive joints is rounding."""
+ROUNDING = 1e-12
+"""Of weight and forces: what is less is left where these cancel, as gravity and acceleration of a robot that falls."""
+CLOSED = 1e-3
+"""rad, or of the loops' size and at most m, by which loops may be open."""
+
 
 class Actuation(NamedTuple):
     """Of a robot's rates.
@@ -137,16 +148,6 @@ def touching(
         else:
             found[:, k] = np.any([(time >= start) & (time <= end) for start, end in contact.on], axis=0)[:, None]
     return found
-
-
-PIECE = 2048
-"""Samples worked on at a time, so that memory does not grow with the motion."""
-REFERENCES = 16
-"""Samples of the first block by which ranks are decided."""
-BALANCED = 1e-9
-"""Of the largest generalised force of a sample: a smaller remainder at passive joints is rounding."""
-ROUNDING = 1e-12
-"""Of weight and forces: what is less is left where these cancel, as gravity and acceleration of a robot that falls."""
 
 
 class Found(NamedTuple):
@@ -298,10 +299,6 @@ class ConstraintSolver:
             torques=torques,
             free=free,
         )
-
-
-CLOSED = 1e-3
-"""rad, or of the loops' size and at most m, by which loops may be open."""
 
 
 class ConstrainedForces(NamedTuple):

@@ -22,6 +22,8 @@ GOOD = 1e-2
 """Reference samples whose singular values are within this part of the best decide what is determined."""
 ROUNDS = 12
 """Of equilibration."""
+LOST = 1e-6
+"""A singular value below this part of its usual size is lost at a sample: nothing is divided by it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,10 +141,6 @@ def rank_changes(A: Floats, decomposition: tuple[Floats, ...], rank: int) -> Flo
         lost = least < 0.0
         found[pairs[lost] + 1] = 1.0 / (1.0 - least[lost])
     return found
-
-
-LOST = 1e-6
-"""A singular value below this part of its usual size is lost at a sample: nothing is divided by it."""
 
 
 class TorqueDistribution(NamedTuple):

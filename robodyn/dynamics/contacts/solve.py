@@ -17,6 +17,24 @@ from robodyn.support.extras import need
 from robodyn.support.floats import BEYOND, Floats, einsum
 
 Flags = NDArray[np.bool_]
+TOLERANCES = (1e-12, 1e-10, 1e-8, 1e-6)
+"""Tried in turn, for Clarabel gets stuck with small ones at times."""
+SCALES = "look for masses, inertias or efforts of unlikely sizes"
+FREE = 1e-9
+"""Cost of the square of a free unknown, beside 1 of a force's."""
+MISSING = 1.0 / SOFTNESS[-1]
+"""Where there is no solution, 1/2 this |b - G f|^2 is a part of the cost, relative to its largest curvature."""
+FORCES = slice(3, 6)
+"""Rows of the equations, of which the first six are moments and forces on the base."""
+STRONGEST = 100.0
+"""Times |b|: what needs larger forces, as feet that are all but wedged do, counts as impossible."""
+MANY = 100_000
+"""Samples that a search is worth, by which its executor is chosen: it looks at few of them often."""
+WORST, SECTIONS = 8, 15
+"""Samples whose least friction is sought at a time, and how many coefficients are tried between two bounds."""
+FLAT = 1e-9
+"""Of the largest distance between points: what stands out less from a line lies on it. Of the force that presses: less
+along the ground is none."""
 
 
 @dataclass(frozen=True)
@@ -117,15 +135,6 @@ def scaled(problem: Problem) -> tuple[Cones, Floats]:
     parts = (problem.normals.reshape(*problem.normals.shape[:-2], -1), cosine, np.sin(angle))
     normals, cosine, sine = (np.broadcast_to(part, (N, part.shape[-1])).T for part in parts)
     return Cones(G.reshape(N, -1).T, problem.b.T / np.where(sizes > 0.0, sizes, 1.0), normals, cosine, sine), sizes
-
-
-TOLERANCES = (1e-12, 1e-10, 1e-8, 1e-6)
-"""Tried in turn, for Clarabel gets stuck with small ones at times."""
-SCALES = "look for masses, inertias or efforts of unlikely sizes"
-FREE = 1e-9
-"""Cost of the square of a free unknown, beside 1 of a force's."""
-MISSING = 1.0 / SOFTNESS[-1]
-"""Where there is no solution, 1/2 this |b - G f|^2 is a part of the cost, relative to its largest curvature."""
 
 
 @dataclass(frozen=True)
@@ -265,16 +274,6 @@ def contact_forces(problem: Problem, executor: str = "auto", expected: int = 0) 
     return Forces(found, np.zeros((N, 0)), residual, missing <= FEASIBLE * sizes, np.ones(N, dtype=bool))
 
 
-FORCES = slice(3, 6)
-"""Rows of the equations, of which the first six are moments and forces on the base."""
-STRONGEST = 100.0
-"""Times |b|: what needs larger forces, as feet that are all but wedged do, counts as impossible."""
-MANY = 100_000
-"""Samples that a search is worth, by which its executor is chosen: it looks at few of them often."""
-WORST, SECTIONS = 8, 15
-"""Samples whose least friction is sought at a time, and how many coefficients are tried between two bounds."""
-
-
 def kinds(problem: Problem, forces: Forces, executor: str = "auto") -> list[str]:
     """Return why each sample has no forces: "" (it has), "slip", "pull" or "tip".
 
@@ -343,11 +342,6 @@ def _moderate(problem: Problem, found: Forces) -> Flags:
 
 def _with_friction(problem: Problem, mu: float) -> Problem:
     return replace(problem, friction=np.full(problem.shape[2], mu), torques=None)
-
-
-FLAT = 1e-9
-"""Of the largest distance between points: what stands out less from a line lies on it. Of the force that presses: less
-along the ground is none."""
 
 
 def centre_of_pressure(points: Floats, normal: Floats, forces: Floats) -> tuple[Floats, Floats]:

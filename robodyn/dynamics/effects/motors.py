@@ -19,6 +19,9 @@ from robodyn.robot.kinematics import Motion, Wrench, accelerations, poses, veloc
 from robodyn.robot.model import Joint, Model
 from robodyn.scene.scene import CoupledMotor, Scene
 
+Turned = tuple[int, Joint, float]
+"""A body, its joint, and how much a motor turns per turn of it, its gear aside."""
+
 
 def rotor_of(joint: Joint, scene: Scene) -> tuple[float, float]:
     """The rotor inertia [kg m^2] and the gear ratio of a joint: the scene's word, else its transmission's."""
@@ -55,10 +58,6 @@ class RotorInertia(Effect):
         """sum G^2 J qd^2 / 2 [J]."""
         turning = ((armature, sample.speed(joint)) for _, joint, armature in armatures(sample.model, scene))
         return total((0.5 * armature) * (speed * speed) for armature, speed in turning)
-
-
-Turned = tuple[int, Joint, float]
-"""A body, its joint, and how much a motor turns per turn of it, its gear aside."""
 
 
 def coupled_motors(model: Model, scene: Scene) -> Iterator[tuple[CoupledMotor, list[Turned]]]:

@@ -23,6 +23,15 @@ from robodyn.robot.limits import coordinate_ranges
 from robodyn.support.floats import Floats, einsum
 from robodyn.support.wording import count
 
+STARTS = 32
+"""From which Newton's method looks for closed configurations, drawn at random but for the first."""
+SEARCH_TRIES = 40
+APART = 1e-4
+"""rad, or of the loops' size: configurations that are farther apart are two."""
+SLACK = 1e-6
+"""rad or m, that a joint may be beyond its limits."""
+UNREACHED = "correct these columns, the loop's points or the links' lengths"
+
 
 class BlockEquations:
     """phi, J and J' qd of the loops of a plan, for arrays of samples.
@@ -228,15 +237,6 @@ class Branch:
         return np.asarray(np.abs(moves[:, self.given] * self.equations.weights[self.given]).sum(axis=1))
 
 
-STARTS = 32
-"""From which Newton's method looks for closed configurations, drawn at random but for the first."""
-SEARCH_TRIES = 40
-APART = 1e-4
-"""rad, or of the loops' size: configurations that are farther apart are two."""
-SLACK = 1e-6
-"""rad or m, that a joint may be beyond its limits."""
-
-
 def search(branch: Branch, q: Floats, near: Floats, tolerance: float) -> tuple[Floats, str]:
     """Return closed configurations (k, nq) with the given coordinates of q (nq,), and in words the least that loops
     miss by, `tolerance` in rad or of the loops' size being none.
@@ -335,9 +335,6 @@ def begin(branch: Branch, q: Floats, where: str) -> tuple[Floats, list[str]]:
     )
     ways = f"the loops close in {len(places)} ways or more at the first row"
     return places[0], [f"{ways}: taken is {taken}, not {other} ([initial] q in the scene chooses)"]
-
-
-UNREACHED = "correct these columns, the loop's points or the links' lengths"
 
 
 def singular(branch: Branch, where: str) -> TrajectoryError:

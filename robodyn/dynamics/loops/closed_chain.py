@@ -33,6 +33,12 @@ Rows = list[dict[int, Scalar]]
 """A by its rows: entries by column; those left out are zero."""
 NUDGE = 1e-150
 """Keeps a rotation of nothing against nothing the one by no angle; its square is still a number."""
+TRIALS = 6
+"""Configurations at which equations are looked at."""
+RANGE = 1.0
+"""rad or m, by which these lie around q = 0."""
+NOTHING = 1e-8
+"""A smaller part of the largest is what rounding leaves of nothing, or a hinge that is meant to be parallel."""
 
 
 class GivensProjection:
@@ -236,14 +242,6 @@ class ClosedChain:
             q = unit(self.model, moved(self.model, q, step(here.error)))
             here = self.equations(self.sample(q, qd))
         return list(q), [rate + more for rate, more in zip(qd, step(here.rate), strict=True)]
-
-
-TRIALS = 6
-"""Configurations at which equations are looked at."""
-RANGE = 1.0
-"""rad or m, by which these lie around q = 0."""
-NOTHING = 1e-8
-"""A smaller part of the largest is what rounding leaves of nothing, or a hinge that is meant to be parallel."""
 
 
 @lru_cache(maxsize=16)

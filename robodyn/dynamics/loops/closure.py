@@ -34,6 +34,7 @@ _SINE = tuple((-1) ** k / factorial(2 * k + 1) for k in range(TERMS))
 _BERNOULLI = (1 / 6, -1 / 30, 1 / 42, -1 / 30, 5 / 66, -691 / 2730, 7 / 6, -3617 / 510, 43867 / 798, -174611 / 330)
 _INVERSE = tuple(abs(b) / factorial(2 * k) for k, b in enumerate(_BERNOULLI, 1))
 """Of (1 - (t / 2) cot(t / 2)) / t^2, by powers of t^2."""
+GROUND_FRAME = Frame(-1, np.eye(3), np.zeros(3))
 
 
 def moved(model: Model, q: Sequence[Scalar], u: Sequence[Scalar]) -> list[Scalar]:
@@ -137,9 +138,6 @@ def _shown(axis: Floats) -> str:
         if np.array_equal(np.abs(axis), one):
             return name
     return f"({', '.join(f'{x:.3g}' for x in axis)})"
-
-
-GROUND_FRAME = Frame(-1, np.eye(3), np.zeros(3))
 
 
 class Twist(NamedTuple):

@@ -31,6 +31,13 @@ are not those of a closed chain."""
 
 NOTED = 1e-3
 """rad, or of the loops' size, from which on it is said that loops are open."""
+ENTRIES = 2_000_000
+"""Of J in one piece of a block: some 50 MB of work."""
+
+ROUNDING = 1e-12
+"""Of the largest sum of terms in a sample: what is smaller is what rounding leaves of a rate that is 0."""
+BACK = 1e-4
+"""Ratio of `pseudo_inverse` where a row that is not reached is one at which what follows turns back."""
 
 
 class Misfit(NamedTuple):
@@ -41,15 +48,6 @@ class Misfit(NamedTuple):
     unit: str
     loop: str
     time: float
-
-
-ENTRIES = 2_000_000
-"""Of J in one piece of a block: some 50 MB of work."""
-
-ROUNDING = 1e-12
-"""Of the largest sum of terms in a sample: what is smaller is what rounding leaves of a rate that is 0."""
-BACK = 1e-4
-"""Ratio of `pseudo_inverse` where a row that is not reached is one at which what follows turns back."""
 
 
 class Whole(NamedTuple):

@@ -20,6 +20,14 @@ from robodyn.solids.inertia.laws import Inertia, symmetric
 ROUNDING = 2.0**-48
 """A smaller share of a body's inertia is what rounding leaves of none."""
 RESIST = "give a link that it carries mass and inertia, or the joint a rotor"
+Back = Callable[[Array, list[Scalar]], None]
+"""Finds an unknown of a body, or a coordinate in y, once its x and what was eliminated later is known."""
+UNDECIDED = 1e-6
+"""Axes with a smaller sine between them count as parallel: they decide no direction."""
+AXES = {"fixed": (), "revolute": (2,), "prismatic": (5,), "floating": (0, 1, 2, 3, 4, 5)}
+"""The entries of a body's acceleration (wd, a) that each kind of joint adds to, where its axis is z."""
+Entries = dict[tuple[int, int], Scalar]
+"""Of a symmetric matrix, by (i, j) with i <= j; those left out are zero."""
 
 
 class Solved(NamedTuple):
@@ -31,10 +39,6 @@ class Solved(NamedTuple):
 
     def rest(self, x: Array, y: list[Scalar]) -> Scalar:
         return self.value - self.V @ x - sum(share * y[other] for other, share in self.coupling.items())
-
-
-Back = Callable[[Array, list[Scalar]], None]
-"""Finds an unknown of a body, or a coordinate in y, once its x and what was eliminated later is known."""
 
 
 class Elimination:
@@ -135,10 +139,6 @@ def unresisted(name: str) -> InputError:
     return InputError(what, remedy=RESIST)
 
 
-UNDECIDED = 1e-6
-"""Axes with a smaller sine between them count as parallel: they decide no direction."""
-
-
 def aligned(model: Model) -> Model:
     """Return the same robot with other axes in its bodies; origins stay, and so do q, qd and tau.
 
@@ -237,10 +237,6 @@ def wrench_at_parent(b: Array, R: Array, p: Array) -> Array:
     return np.concatenate((R @ b[:3] + cross(p, f), f))
 
 
-AXES = {"fixed": (), "revolute": (2,), "prismatic": (5,), "floating": (0, 1, 2, 3, 4, 5)}
-"""The entries of a body's acceleration (wd, a) that each kind of joint adds to, where its axis is z."""
-
-
 def articulated_body(
     model: Model,
     motions: Sequence[Motion],
@@ -332,10 +328,6 @@ def _coordinates(
                 above = above - {last} | {model.parents[last]}
             ends[above.pop()].append(rate)
     return counts, ends
-
-
-Entries = dict[tuple[int, int], Scalar]
-"""Of a symmetric matrix, by (i, j) with i <= j; those left out are zero."""
 
 
 def known_zero(value: Scalar) -> bool:

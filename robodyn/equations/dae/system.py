@@ -25,6 +25,9 @@ from robodyn.scene.scene import Loop, Scene
 from robodyn.solids.inertia.laws import Inertia
 from robodyn.support.floats import Floats, first_largest
 
+Row = list[tuple[int, Array]]
+"""(body, its six entries) pairs; entries of the same body add up."""
+
 
 class Body(NamedTuple):
     """Where a body is and how it moves.
@@ -60,10 +63,6 @@ def state_of(model: Model, centres: Sequence[Array], q: Sequence[Scalar], qd: Se
         for pose, (w, v), r in zip(there, velocities(model.parents, joints), centres, strict=True)
     ]
     return (*found, Body(IDENTITY, -base.p, ZERO, ZERO))
-
-
-Row = list[tuple[int, Array]]
-"""(body, its six entries) pairs; entries of the same body add up."""
 
 
 @dataclass(frozen=True, eq=False)

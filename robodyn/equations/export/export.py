@@ -36,6 +36,12 @@ from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.files import write_whole
 from robodyn.support.wording import alternatives, listed
 
+_SMOOTH = "sign(qd) is qd / sqrt(qd^2 + slip_speed^2), slip_speed"
+_JUMPS = (
+    "Coulomb friction: sign(0) = 0, and sign has derivative 0, also at its step at rest. With slip_speed in\n"
+    "the scene it is smooth."
+)
+
 
 @dataclass(frozen=True)
 class Job:
@@ -61,13 +67,6 @@ class Job:
     @property
     def meaning(self) -> str:
         return f"{self.kind.meaning}; {self.program.size} operations"
-
-
-_SMOOTH = "sign(qd) is qd / sqrt(qd^2 + slip_speed^2), slip_speed"
-_JUMPS = (
-    "Coulomb friction: sign(0) = 0, and sign has derivative 0, also at its step at rest. With slip_speed in\n"
-    "the scene it is smooth."
-)
 
 
 def title(model: Model, form: str) -> str:

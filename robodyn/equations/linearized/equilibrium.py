@@ -25,6 +25,13 @@ from robodyn.robot.model import Model
 from robodyn.scene.scene import Entry, Scene
 from robodyn.support.floats import Floats, first_largest
 
+_ROUNDED = 4.0 * float(np.finfo(float).eps)
+"""Four roundings, of q no more than 1e-10 of the torque that they change."""
+_NEWTON_STEPS = 4.0
+"""Of Newton's, to be on the far side of an equilibrium: where two meet, at a fold, each of his goes half the way."""
+_LONGEST_STEP = 0.1
+"""rad, or the same part of the robot's reach [m]."""
+
 
 class Drives(NamedTuple):
     """tau = torque + kp (reference - q) + kd (speed - qd), by rate: (n,) each, zero where nothing drives."""
@@ -47,10 +54,6 @@ def positions(model: Model, q: Floats) -> Floats:
         if joint.kind != "floating":
             out[joint.rate] = q[joint.coordinate]
     return out
-
-
-_ROUNDED = 4.0 * float(np.finfo(float).eps)
-"""Four roundings, of q no more than 1e-10 of the torque that they change."""
 
 
 class Balance(NamedTuple):
@@ -330,12 +333,6 @@ def _sunk(robot: RobotAtRest, q: Floats) -> Floats:
             continue
         q, here, longest, gone = tried, there, min(2.0 * longest, _LONGEST), gone + step
     return q
-
-
-_NEWTON_STEPS = 4.0
-"""Of Newton's, to be on the far side of an equilibrium: where two meet, at a fold, each of his goes half the way."""
-_LONGEST_STEP = 0.1
-"""rad, or the same part of the robot's reach [m]."""
 
 
 def along(stiffness: Floats, directions: Floats, own: list[int]) -> Floats:

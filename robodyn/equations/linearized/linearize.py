@@ -34,6 +34,10 @@ from robodyn.support.floats import Floats
 from robodyn.support.wording import listed
 
 _LOST = 1.0 / float(np.finfo(float).eps)
+_BALANCED = 1e-9
+"""Of the torques that balance: where less is missing, it is an equilibrium."""
+_CLEAR = 0.1
+"""Of the largest: a joint that moves less than so with what is left is no coordinate of a closed chain."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,12 +128,6 @@ def in_steps(found: Linearized, step: float) -> Linearized:
     if lost or not np.isfinite(E).all():
         raise InputError(f"the motion overflows within a step of {step:g} s", remedy="give shorter steps")
     return replace(found, A=E[:size, :size], B=E[:size, size:], step=step)
-
-
-_BALANCED = 1e-9
-"""Of the torques that balance: where less is missing, it is an equilibrium."""
-_CLEAR = 0.1
-"""Of the largest: a joint that moves less than so with what is left is no coordinate of a closed chain."""
 
 
 def linearize(

@@ -14,6 +14,14 @@ from robodyn.programs.linear import Complexes, general_eigen, null_space, range_
 from robodyn.programs.vectors import length, product
 from robodyn.support.floats import Floats
 
+_WRITTEN = 5e-10
+"""Half a unit of the tenth digit, with which descriptions write right angles (1.570796327): an axis is so far off, and
+a weight turns by this part into stiffness that is none."""
+_ROUNDED = 16.0 * float(np.finfo(float).eps)
+_ROUNDINGS = 16.0
+_DEPENDENT = 1e-8
+"""Squared part of a row that is left, below which the columns are one space less."""
+
 
 class SmallMotion(NamedTuple):
     """M dx'' + damping dx' + stiffness dx = directions^T u, drives closed; z' = A z + ... with z = (dx, dx').
@@ -123,12 +131,6 @@ class Modes:
         return min((0.0 - mode.real for mode in self.modes if not mode.free), default=None)
 
 
-_WRITTEN = 5e-10
-"""Half a unit of the tenth digit, with which descriptions write right angles (1.570796327): an axis is so far off, and
-a weight turns by this part into stiffness that is none."""
-_ROUNDED = 16.0 * float(np.finfo(float).eps)
-
-
 class Split(NamedTuple):
     """Coordinates x = scale * y (k,); `drift` (r, k): motions without stiffness; `basis` (r + s, 2 k): these, and the
     speeds of the s of them that nothing slows either; `rest`: what stands across them. A maps the basis onto itself."""
@@ -166,11 +168,6 @@ def _null(rows: Floats, nothing: float) -> Floats:
     """Return an orthonormal basis (r, n) of what rows (m, n) of a size of 1 map to less than this."""
     largest = float(np.sqrt((rows * rows).sum(axis=1)).max(initial=0.0))
     return null_space(rows, nothing / largest) if largest > nothing else np.eye(rows.shape[1])
-
-
-_ROUNDINGS = 16.0
-_DEPENDENT = 1e-8
-"""Squared part of a row that is left, below which the columns are one space less."""
 
 
 def modes_of(found: SmallMotion) -> Modes:

@@ -25,6 +25,23 @@ _COARSE, _VALUES = 0.01, 500
 """Of a torque's range: steps that are told; values from which on a torque does not come in steps."""
 _NOISE = 1 << 13
 """Samples from whose positions the noise is told."""
+GAP, _EVEN = 4.5, 1e-3
+"""So many steps without a row part a log in stretches; stamps that are off a grid by less than this part are even."""
+_FEWEST, SIGHT = 64, 1 << 17
+"""Rows up to which nothing is compared; samples from whose torques the noise is told."""
+REMEDY = "is it the right log, and are torques recorded?"
+_HALO = 8
+"""Rows on either side that an interpolated value sees."""
+_WIDTH, _DEVIATIONS = 7, 10.0
+"""Samples of the running median, by which three wrong ones next to each other are seen; times what torques are usually
+off it."""
+_OFTEN, _PILED = 8, 5.0
+"""Samples at a torque's extreme, and how many times those one and two steps below, from which on it is clipped; the top
+of a parabola is reached 2.4 times as often as what is one step below."""
+_SHARE = 0.5
+"""Of the range of 98 % of the running medians."""
+_LOUD = 10.0
+"""Times the noise: torques that are compared."""
 
 
 @dataclass(frozen=True)
@@ -194,13 +211,6 @@ def _of_torques(names: Sequence[str], torques: Floats, limits: Floats) -> Iterat
         yield f"torques are in steps of {', '.join(coarse)}: what is smaller cannot be told"
 
 
-GAP, _EVEN = 4.5, 1e-3
-"""So many steps without a row part a log in stretches; stamps that are off a grid by less than this part are even."""
-_FEWEST, SIGHT = 64, 1 << 17
-"""Rows up to which nothing is compared; samples from whose torques the noise is told."""
-REMEDY = "is it the right log, and are torques recorded?"
-
-
 class Scan:
     """What a first pass over a log tells, in memory of its own: the first blocks, the last one, how many rows."""
 
@@ -250,10 +260,6 @@ def measured_torques(block: Trajectory, model: Model) -> Floats:
     """Return (k, n) the measured torques of a block of a log, zero where nothing is measured [N m]."""
     zero = np.zeros(len(block))
     return np.stack([block.extra.get(f"tau_{name}", zero) for name in model.rates], axis=1)
-
-
-_HALO = 8
-"""Rows on either side that an interpolated value sees."""
 
 
 class Samples(NamedTuple):
@@ -319,16 +325,6 @@ class Grid:
         self._next, self._begins = float(time[-1]) + self._step, False
 
 
-_WIDTH, _DEVIATIONS = 7, 10.0
-"""Samples of the running median, by which three wrong ones next to each other are seen; times what torques are usually
-off it."""
-_OFTEN, _PILED = 8, 5.0
-"""Samples at a torque's extreme, and how many times those one and two steps below, from which on it is clipped; the top
-of a parabola is reached 2.4 times as often as what is one step below."""
-_SHARE = 0.5
-"""Of the range of 98 % of the running medians."""
-
-
 def limits(tau: Floats) -> Floats:
     """Return (n,) how far off the running median a torque is a spike; infinite where none of tau (N, n) is."""
     middle = _medians(tau)
@@ -363,10 +359,6 @@ def _medians(tau: Floats) -> Floats:
     from scipy.ndimage import median_filter
 
     return np.asarray(median_filter(tau, (_WIDTH, 1), mode="nearest"))
-
-
-_LOUD = 10.0
-"""Times the noise: torques that are compared."""
 
 
 def noise_cutoff(tau: Floats, step: float) -> float:

@@ -17,6 +17,11 @@ _ROWS = 4096
 """Samples that are worked on at a time."""
 
 Arrays = tuple[Floats, ...]
+SHAPE, PERIODS = 8.0, 5.1
+"""Of Kaiser's window, by which the pass band is flat within 1e-4 and what is stopped keeps 1e-4; half the length of the
+kernel in periods of the cutoff, which takes it from 0.75 to 1.25 times the cutoff (Kaiser's rule)."""
+_TOGETHER = 32
+"""So many values are summed by one product of matrices."""
 
 
 class Rows(NamedTuple):
@@ -75,13 +80,6 @@ def _windows(parts: Iterable[tuple[bool, Arrays]], length: int, every: int) -> I
             yield first, whole, count
             first = False
         tail = tuple(each[count * every :] for each in whole)
-
-
-SHAPE, PERIODS = 8.0, 5.1
-"""Of Kaiser's window, by which the pass band is flat within 1e-4 and what is stopped keeps 1e-4; half the length of the
-kernel in periods of the cutoff, which takes it from 0.75 to 1.25 times the cutoff (Kaiser's rule)."""
-_TOGETHER = 32
-"""So many values are summed by one product of matrices."""
 
 
 def kernel(cutoff: float, step: float) -> Floats:

@@ -26,6 +26,7 @@ _NOTHING, _ROUNDING = 1e-9, 1e-13
 terms."""
 _LONG = 8
 """Words of a group, about three terms."""
+_UNITS = {name: "kg" if name == "m" else "kg m" if name.startswith("m") else "kg m^2" for name in INERTIAL}
 
 
 class Estimate(NamedTuple):
@@ -160,9 +161,6 @@ def shown(R: Floats, names: Sequence[str]) -> NDArray[np.bool_]:
     units = np.array([_UNITS.get(kind, kind) for kind in kinds], dtype=object)
     longest = {unit: lengths[units == unit].max() for unit in set(units)}
     return np.asarray(lengths > _NOTHING * np.array([longest[unit] for unit in units]))
-
-
-_UNITS = {name: "kg" if name == "m" else "kg m" if name.startswith("m") else "kg m^2" for name in INERTIAL}
 
 
 def _lengths(A: Floats) -> Floats:

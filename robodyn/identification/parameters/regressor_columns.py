@@ -22,6 +22,12 @@ PARAMETERS = ("viscous", "coulomb", "offset", "stribeck", "rotor", "load")
 """Of a motor. `coulomb` and `offset` are half the difference and half the sum of friction forwards and backwards, which
 no motion tells from a torque sensor's offset; `stribeck` is the torque of breakaway; `load` is the part of the torque
 through the gear that is friction."""
+_WAITING = 1024
+"""Rows that are added to a factor at a time."""
+_OUTLIER = 3.0
+"""Standard deviations above which a residual counts as if it were there (Huber)."""
+LAGS = 12
+"""Rows apart up to which residuals are taken for correlated."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -196,12 +202,6 @@ class RegressorColumns:
         return np.concatenate(columns, axis=1)
 
 
-_WAITING = 1024
-"""Rows that are added to a factor at a time."""
-_OUTLIER = 3.0
-"""Standard deviations above which a residual counts as if it were there (Huber)."""
-
-
 class Triangle:
     """R with R^T R = A^T A of all rows A (k, c) that were added, `count` of them, by QR: no squares lose digits."""
 
@@ -295,10 +295,6 @@ def gather(
                 if guess is not None:
                     weighted.squares[fold, joint] += float((part[own, -1] ** 2).sum())
                     weighted.parts[fold][joint].add(part[own] * weights[own, joint, None])
-
-
-LAGS = 12
-"""Rows apart up to which residuals are taken for correlated."""
 
 
 class Moments:

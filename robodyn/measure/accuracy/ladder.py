@@ -15,6 +15,8 @@ SPREAD_BUDGET, SPREAD_ROUNDS = 1.0, 5
 """Seconds for which rounds are repeated; so many at least, and at most 200 times as many."""
 SLOW, CACHED = 0.5, 0.01
 """Seconds from which one run has to do, and below which what stands in the caches matters."""
+ROUNDING = 2.0**-53
+"""Of a result to a float."""
 
 
 @dataclass(frozen=True)
@@ -56,10 +58,6 @@ def _run(act: Callable[[], Any]) -> tuple[Any, float]:
     begin = perf_counter()
     result = act()
     return result, perf_counter() - begin
-
-
-ROUNDING = 2.0**-53
-"""Of a result to a float."""
 
 
 def refuse_beyond_doubles(target: float) -> None:

@@ -32,6 +32,24 @@ ALLOWED, SHARES = 20.0, 4
 """Seconds of work on a typical machine that the search for an accuracy may take in all; ways that share it."""
 FIRST = 5e4
 """Evaluations for the usual motion, which the search begins with."""
+FIRST_STEP, LAST_STEP, TINY = 1.6e-2, 1e-8, 1e-300
+"""s: the steps that are halved, from the first to the last."""
+SLOWEST, FLOOR = 1.5, 8.0
+"""A step half as long has to leave no more than 1 / 1.5 of the difference, or the error has reached its floor, where it
+is multiplied with 8."""
+GROWN = 1.5
+"""Twice as many whole steps have to make at least so many times as many in all."""
+NEAREST = 16
+"""Turns that are looked at closely."""
+HALVED, TIGHTENED = ("rk4", "gauss6"), ("radau",)
+"""Methods whose steps are halved, or whose tolerance is tightened."""
+CONFIRMING = {"rk4": ("dop853", "gauss6", "radau"), "gauss6": ("dop853", "rk4", "radau"), "radau": ("bdf",)}
+"""Methods of which one has to agree; those with fixed steps where SciPy's are too much work, as with many rows."""
+TIGHTER = 1.0, 30.0, 1000.0
+"""Parts of the target to which a motion is refined, one after the other where another method does not agree."""
+ROUNDING = 2.0**-51
+"""Of the largest number of a motion: no error is below."""
+APART = 'move the limit or the start, or write joint_limits = "spring" or "ignore" in the scene'
 
 
 @dataclass(eq=False)
@@ -86,15 +104,6 @@ class Effort:
         self.left -= self.work(motion)
         self.steps += motion.steps
         return motion
-
-
-FIRST_STEP, LAST_STEP, TINY = 1.6e-2, 1e-8, 1e-300
-"""s: the steps that are halved, from the first to the last."""
-SLOWEST, FLOOR = 1.5, 8.0
-"""A step half as long has to leave no more than 1 / 1.5 of the difference, or the error has reached its floor, where it
-is multiplied with 8."""
-GROWN = 1.5
-"""Twice as many whole steps have to make at least so many times as many in all."""
 
 
 class Settled(NamedTuple):
@@ -166,10 +175,6 @@ def shown(options: Mapping[str, float | None]) -> str:
     return f"steps of {options['step']:.3g} s" if "step" in options else f"rtol {options['rtol']:.1g}"
 
 
-NEAREST = 16
-"""Turns that are looked at closely."""
-
-
 class Graze(NamedTuple):
     """A limit that a motion passes by a depth [rad or m], negative where it misses, at a time [s]; error: relative to
     the largest of the kind (see `MotionError`), at which either could be true."""
@@ -216,17 +221,6 @@ def graze(motion: Simulation) -> Graze | None:
     first = first_largest(-errors)
     place, depth, time = found[first]
     return Graze(limits.stops[place], depth, time, float(errors[first]))
-
-
-HALVED, TIGHTENED = ("rk4", "gauss6"), ("radau",)
-"""Methods whose steps are halved, or whose tolerance is tightened."""
-CONFIRMING = {"rk4": ("dop853", "gauss6", "radau"), "gauss6": ("dop853", "rk4", "radau"), "radau": ("bdf",)}
-"""Methods of which one has to agree; those with fixed steps where SciPy's are too much work, as with many rows."""
-TIGHTER = 1.0, 30.0, 1000.0
-"""Parts of the target to which a motion is refined, one after the other where another method does not agree."""
-ROUNDING = 2.0**-51
-"""Of the largest number of a motion: no error is below."""
-APART = 'move the limit or the start, or write joint_limits = "spring" or "ignore" in the scene'
 
 
 def simulate_within(model: Model, scene: Scene, duration: float | None, target: float, **options: Any) -> Simulation:

@@ -29,6 +29,14 @@ from robodyn.simulation.table import Signal, Source, read_table
 from robodyn.support.floats import Floats
 
 _ANGLE, _LENGTH, _TURN, _RATE, _SPEED = range(5)
+COMPARED, SAME = 50, 1e-12
+"""Records at which motions by different methods are compared; times nearer than this part of them are the same."""
+Run = Callable[..., Simulation]
+"""`simulate` with all but the duration and the method."""
+REFERENCE_MOST = 2e5
+"""Evaluations of an adaptive method, after which another one is tried."""
+CHECKED = 200
+"""Times at which two motions are compared, at most."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,10 +87,6 @@ def between_records(motion: Simulation) -> Callable[[Floats], Floats]:
     return lambda times: np.asarray(spline(times), dtype=float)
 
 
-COMPARED, SAME = 50, 1e-12
-"""Records at which motions by different methods are compared; times nearer than this part of them are the same."""
-
-
 def apart(coarse: Simulation, fine: Simulation) -> float:
     """Return how far a motion is from a finer one, at times that both record, up to a limit that ends either; where
     there are few of these, at those of the coarser, between records of the other; inf where they end at other limits,
@@ -115,14 +119,6 @@ def seen(motion: Simulation | None) -> list[float]:
 
 def states_of(motion: Simulation) -> Floats:
     return np.hstack((motion.q, motion.qd))
-
-
-Run = Callable[..., Simulation]
-"""`simulate` with all but the duration and the method."""
-REFERENCE_MOST = 2e5
-"""Evaluations of an adaptive method, after which another one is tried."""
-CHECKED = 200
-"""Times at which two motions are compared, at most."""
 
 
 @dataclass(frozen=True, eq=False)

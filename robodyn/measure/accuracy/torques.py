@@ -41,6 +41,20 @@ from robodyn.trajectory.motion import Derivation, Trajectory
 from robodyn.trajectory.options import MODES
 from robodyn.trajectory.read import motion, read_motion, sources_of
 
+LADDER_SAMPLES = 16
+"""Of the motion, evenly spaced, on which errors are measured."""
+DIGITS, FEWER_DIGITS = 50, 20
+
+Sources = Mapping[str, np.ndarray[Any, Any]]
+Ways = dict[str, tuple[Any, Callable[..., Any]]]
+"""By its name each executor that runs here, its type of numbers, and what makes it ready from a program and widths."""
+EVERY, FEWEST = (1, 2, 4, 8), 32
+"""Of so many samples one is kept, and samples that are left at least."""
+PROMISE_SAMPLES, PROMISE_DIGITS = 64, 40
+"""Of the motion, evenly spaced, on which errors are measured; of what they are measured against."""
+MARGIN = 4.0
+"""Of what the largest error elsewhere may be, of that among the samples."""
+
 
 def compile_anew(program: Program, widths: Mapping[str, int], dtype: Any = np.float64) -> None:
     """Make machine code of a program and load it, whatever the cache holds."""
@@ -50,15 +64,6 @@ def compile_anew(program: Program, widths: Mapping[str, int], dtype: Any = np.fl
 def laid_out(sources: Mapping[str, Floats], order: Literal["F", "C"], dtype: DTypeLike) -> dict[str, NDArray[Any]]:
     """Return the same numbers with contiguous columns ("F") or rows ("C")."""
     return {name: np.asarray(values, dtype, order) for name, values in sources.items()}
-
-
-LADDER_SAMPLES = 16
-"""Of the motion, evenly spaced, on which errors are measured."""
-DIGITS, FEWER_DIGITS = 50, 20
-
-Sources = Mapping[str, np.ndarray[Any, Any]]
-Ways = dict[str, tuple[Any, Callable[..., Any]]]
-"""By its name each executor that runs here, its type of numbers, and what makes it ready from a program and widths."""
 
 
 @np.errstate(all="ignore")
@@ -223,10 +228,6 @@ def noisy(model: Model, q: Floats, derivation: Derivation) -> tuple[Floats, str]
     return data, f"a smooth motion like the given one, with {size}" if sigma.any() else f"a motion like it, {size}"
 
 
-EVERY, FEWEST = (1, 2, 4, 8), 32
-"""Of so many samples one is kept, and samples that are left at least."""
-
-
 def rate_ladder(a_plan: Plan, samples: Trajectory) -> Ladder:
     """Return the largest change of a joint's peak torque, relative to the largest peak, where samples are left out, and
     accelerations that are not given derived from what is left. Times are per sample of the data."""
@@ -253,12 +254,6 @@ def _peaks(a_plan: Plan, samples: Trajectory, every: int) -> Floats:
         left = motion(a_plan.model, time, q, qd if given else None, columns=extra)
     found: Floats = np.abs(torques(a_plan, left)).max(axis=0)
     return found
-
-
-PROMISE_SAMPLES, PROMISE_DIGITS = 64, 40
-"""Of the motion, evenly spaced, on which errors are measured; of what they are measured against."""
-MARGIN = 4.0
-"""Of what the largest error elsewhere may be, of that among the samples."""
 
 
 @dataclass(frozen=True)

@@ -46,6 +46,7 @@ THREAD_WORK = 1 << 21
 
 LINE = 8
 """Numbers of 64 bits in a line of the cache."""
+_KERNEL = ctypes.PYFUNCTYPE(ctypes.c_int64, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64)
 
 
 class CompiledBlocks:
@@ -224,9 +225,6 @@ def _place(numbers: array[int]) -> int:
 def _driver(scalar: str) -> Function:
     lanes = LANES[scalar]
     return built("share", ("driver", scalar, lanes), lambda: driver(scalar, lanes), c_void_p, *[c_int64] * 3)
-
-
-_KERNEL = ctypes.PYFUNCTYPE(ctypes.c_int64, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64)
 
 
 def in_pool(part: Callable[[int], object], threads: int) -> None:

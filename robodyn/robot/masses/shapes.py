@@ -32,6 +32,10 @@ MeshFile = tuple[Path, Vector]
 Outcome = Part | RobodynError
 Watch = Callable[[Sequence[Path]], AbstractContextManager[Callable[[], object]]]
 """What makes, for files that are going to be read, a function to call after each of them."""
+UNCERTAIN = 1e-12
+"""Relative differences below this are none: rounding makes them."""
+_OTHER = 0.02
+"""Corrections that are nearer to each other are one."""
 
 
 class How(TypedDict, total=False):
@@ -175,12 +179,6 @@ def link_from_shapes(
     elif link.inertial is not None and link.inertial.mass > 0:
         body, weight = body.scaled_to_mass(link.inertial.mass), "as declared"
     return LinkShapes(name, link.line, kind, body, weight, found)
-
-
-UNCERTAIN = 1e-12
-"""Relative differences below this are none: rounding makes them."""
-_OTHER = 0.02
-"""Corrections that are nearer to each other are one."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,6 +21,12 @@ from robodyn.support.wording import shown
 
 TEXT = ""
 """The name that stands for the text of an element where its attributes are named."""
+_UNBOUNDED = ("limit", "safety_controller")
+"""Elements in which files write the largest float for no limit at all."""
+_MOVING = frozenset(JOINT_TYPES) - {"fixed"}
+T = TypeVar("T")
+P = TypeVar("P")
+N = TypeVar("N", bound="_Named")
 
 
 class NumbersError(ValueError):
@@ -29,10 +35,6 @@ class NumbersError(ValueError):
     def __init__(self, what: str, remedy: str) -> None:
         super().__init__(what)
         self.remedy = remedy
-
-
-_UNBOUNDED = ("limit", "safety_controller")
-"""Elements in which files write the largest float for no limit at all."""
 
 
 def parse_numbers(text: str, count: int, tag: str = "") -> tuple[float, ...]:
@@ -127,12 +129,6 @@ def value_span(element: Element, attribute: str) -> Span:
     """Return what stands between the quotes of an attribute; the start tag where it is absent."""
     found = element.attributes.get(attribute)
     return element.span if found is None else found.value_span
-
-
-_MOVING = frozenset(JOINT_TYPES) - {"fixed"}
-T = TypeVar("T")
-P = TypeVar("P")
-N = TypeVar("N", bound="_Named")
 
 
 @dataclass(frozen=True, slots=True)

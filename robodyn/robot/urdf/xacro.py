@@ -20,6 +20,7 @@ PATIENCE = 20.0
 _MOST_SOURCE = 1 << 24
 """Bytes of a file that is looked at for what it defines."""
 _TRUST = "--trust-xacro lifts this, and lets the file do whatever Python can"
+_DEFINITIONS = frozenset(f"xacro:{name}" for name in ("macro", "property", "arg", "include"))
 
 
 class Expansion(NamedTuple):
@@ -119,9 +120,6 @@ def _asked(path: str, package_paths: Sequence[str], args: Mapping[str, str], tru
 def no_robot(path: str) -> NoRobotError:
     """Return what to raise of a file that describes no robot."""
     return NoRobotError("it defines parts and describes no robot", remedy="name the file that uses them", file=path)
-
-
-_DEFINITIONS = frozenset(f"xacro:{name}" for name in ("macro", "property", "arg", "include"))
 
 
 def only_defines(path: str) -> bool:

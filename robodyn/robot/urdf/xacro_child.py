@@ -39,6 +39,10 @@ MOST_YAML = 1 << 20
 """Of a file of YAML, of which Python reads a megabyte in some seconds."""
 _PACKAGE = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.+-]*")
 _NAMED = "--package-path DIR names a folder to read from"
+_NEVER = (
+    *("os.", "subprocess.", "socket.", "ctypes.", "shutil.", "pty.", "mmap.", "fcntl."),
+    *("winreg.", "_winapi.", "msvcrt."),
+)
 
 
 class Reach:
@@ -363,12 +367,6 @@ def _sentence(error: BaseException) -> str:
             return "it is nested too deeply"
     text = " ".join(str(error).split()) or type(error).__name__
     return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}..."
-
-
-_NEVER = (
-    *("os.", "subprocess.", "socket.", "ctypes.", "shutil.", "pty.", "mmap.", "fcntl."),
-    *("winreg.", "_winapi.", "msvcrt."),
-)
 
 
 def _watch(event: str, arguments: tuple[Any, ...]) -> None:

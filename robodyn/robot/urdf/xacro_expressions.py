@@ -31,6 +31,7 @@ DOTTED = "YamlDictWrapper"
 
 ADDRESS = re.compile(r"(?:<|&lt;)[^<>]{0,200} at 0x[0-9a-fA-F]")
 """What Python writes of an object that has no text of its own: another one in each process."""
+_SPOKEN = {"Lambda": "a lambda", "NamedExpr": "an assignment", "Await": "an await", "Yield": "a yield"}
 
 
 class RefusedError(Exception):
@@ -431,9 +432,6 @@ class Evaluator:
         specification = "" if node.format_spec is None else self._of(node.format_spec, scopes)
         check_width(specification)
         return format(checked(value), specification)
-
-
-_SPOKEN = {"Lambda": "a lambda", "NamedExpr": "an assignment", "Await": "an await", "Yield": "a yield"}
 
 
 def _bind(target: ast.expr, value: Any, names: dict[str, Any]) -> None:

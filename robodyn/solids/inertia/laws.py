@@ -12,6 +12,8 @@ from robodyn.errors import InputError
 from robodyn.programs.vectors import IDENTITY, ZERO, Array, Scalar, product, skew
 from robodyn.support.floats import Floats
 
+_ORTHOGONAL = 1e-9
+
 
 def exact(numbers: ArrayLike) -> Array:
     """Return floats of any width, integers or fractions, of any shape, as an array of fractions.
@@ -122,9 +124,6 @@ def combined(bodies: Iterable[Inertia]) -> Inertia:
     for body in bodies:
         m, mc, I = m + body.m, mc + body.mc, I + body.I
     return Inertia(m, mc, I)
-
-
-_ORTHOGONAL = 1e-9
 
 
 def parallel_axis(I_c: Array, m: Scalar, d: Array) -> Array:

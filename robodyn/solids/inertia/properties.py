@@ -29,6 +29,11 @@ from robodyn.solids.inertia.laws import (
 from robodyn.support.floats import Floats, first_largest
 
 EQUAL = 1e-9
+Pose = tuple[Array, Array]
+"""Rotation (3, 3) and origin (3,) [m] of a frame in another."""
+_NOTHING = np.zeros((3, 3))
+_SYMMETRIC = 1e-12
+Vector = tuple[float, float, float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,12 +122,6 @@ def principal_axes(S: Array, S_low: Array | float = 0.0, tolerance: float = EQUA
 def pointed(axis: Floats) -> Floats:
     """Return the axis or its opposite, with the largest component (the first of several) positive."""
     return np.asarray(axis * np.sign(axis[first_largest(np.abs(axis))]), dtype=float)
-
-
-Pose = tuple[Array, Array]
-"""Rotation (3, 3) and origin (3,) [m] of a frame in another."""
-_NOTHING = np.zeros((3, 3))
-_SYMMETRIC = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -360,9 +359,6 @@ def inertial_element(body: MassProperties) -> str:
         f"  <inertia {inertia}/>\n"
         "</inertial>"
     )
-
-
-Vector = tuple[float, float, float]
 
 
 @dataclass(frozen=True)

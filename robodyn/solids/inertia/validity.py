@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from robodyn.solids.inertia.properties import MassProperties
 
 _TOUCH = 1e-6
+PRINTED = 1e-6
+"""Slack for numbers rounded in print, relative to the largest principal moment."""
 
 
 class Box(NamedTuple):
@@ -87,10 +89,6 @@ def box_bound(body: MassProperties, lo: ArrayLike, hi: ArrayLike) -> Floats:
     possible = inside & (bound > 0)
     ratio[possible] = spread[possible] / bound[possible]
     return ratio
-
-
-PRINTED = 1e-6
-"""Slack for numbers rounded in print, relative to the largest principal moment."""
 
 
 @dataclass(frozen=True, eq=False)

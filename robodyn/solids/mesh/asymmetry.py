@@ -23,6 +23,12 @@ FREQUENCIES = 8
 
 _HEIGHTS = 3
 _BLOCK, _SMALL_BLOCK = 2048, 512
+_UPPER = np.triu_indices(3)
+_NEAR, _FAR = 0.091576213509770743, 0.44594849091596489
+_SHARES = np.array([np.roll((1 - 2 * s, s, s), turn) for s in (_NEAR, _FAR) for turn in range(3)])
+_WEIGHTS = np.repeat((0.10995174365532187, 0.22338158967801147), 3)
+"""The rule with six points for the mean over a triangle, exact for the fourth order (Cowper 1973)."""
+_PAIR = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,14 +111,6 @@ def determinants(corners: Array) -> Floats:
     for i in range(3):
         D += a[i] * (b[i - 2] * c[i - 1] - b[i - 1] * c[i - 2])
     return D
-
-
-_UPPER = np.triu_indices(3)
-_NEAR, _FAR = 0.091576213509770743, 0.44594849091596489
-_SHARES = np.array([np.roll((1 - 2 * s, s, s), turn) for s in (_NEAR, _FAR) for turn in range(3)])
-_WEIGHTS = np.repeat((0.10995174365532187, 0.22338158967801147), 3)
-"""The rule with six points for the mean over a triangle, exact for the fourth order (Cowper 1973)."""
-_PAIR = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
 
 
 def sixth_moments(corners: Array) -> Array:

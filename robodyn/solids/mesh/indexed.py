@@ -15,6 +15,7 @@ Words = NDArray[np.uint64]
 
 _FACTORS = tuple(map(np.uint64, (0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9)))
 _HALF = np.uint64(32)
+Mask = NDArray[np.bool_]
 
 
 def paired(keys: Words) -> tuple[Numbers, Numbers]:
@@ -49,9 +50,6 @@ def hashed(X: Floats) -> Words:
         words *= factor
     words ^= words >> _HALF
     return words
-
-
-Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,6 +16,12 @@ from robodyn.support.floats import Floats
 
 _PAIRS = 1 << 17
 """Points times triangles of a block: its intermediate results stay in the cache."""
+_DIRECTIONS = ((0.3183098861, 0.5772156649), (-0.4142135623, 0.2236067977), (0.1414213562, -0.6931471805))
+"""Slopes of rays, generic so that they meet neither corners nor edges of parts drawn along the axes."""
+
+_ROUNDING = 16 * np.finfo(np.float64).eps
+_MOST_PAIRS = 2_000_000
+_CELLS = 64
 
 
 def winding_numbers(points: Floats, mesh: Indexed) -> Floats:
@@ -42,12 +48,6 @@ def winding_numbers(points: Floats, mesh: Indexed) -> Floats:
         depth = (normal * A).sum(axis=1) - x @ normal.T
         found[start : start + rows] = np.arctan2(depth, a * b * c + apart / 2).sum(axis=1)
     return found / (2 * pi)
-
-
-_DIRECTIONS = ((0.3183098861, 0.5772156649), (-0.4142135623, 0.2236067977), (0.1414213562, -0.6931471805))
-"""Slopes of rays, generic so that they meet neither corners nor edges of parts drawn along the axes."""
-
-_ROUNDING = 16 * np.finfo(np.float64).eps
 
 
 class Interior:
@@ -123,10 +123,6 @@ def solid(shell: Indexed) -> Any:
 def triangle_boxes(corners: Floats) -> Floats:
     """(2, n, 3) least and largest coordinates of triangles (n, 3, 3)."""
     return np.stack([corners.min(axis=1), corners.max(axis=1)])
-
-
-_MOST_PAIRS = 2_000_000
-_CELLS = 64
 
 
 def may_cross(one: Floats, other: Floats) -> bool:

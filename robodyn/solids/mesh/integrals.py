@@ -24,6 +24,10 @@ from robodyn.solids.mesh.triangles import Triangles, block_space, fill, referenc
 from robodyn.support.floats import LARGEST, Floats
 
 _MANTISSA = 53
+_SAFE = 2.0**-170, 2.0**180
+"""Sizes of boxes whose fifth powers, and those of the triangles in them, stay clear of the ends of a float's range."""
+ROUNDING = float_info.epsilon / 2
+"""Relative error of the float nearest to a number."""
 
 
 class Moments(NamedTuple):
@@ -73,10 +77,6 @@ def exact_moments(triangles: Triangles, reference: Array) -> Moments:
         squares = [u[i] * u[j] + v[i] * v[j] + w[i] * w[j] for i, j in PAIRS]
         second = [total + (D * xx).sum() * unit**5 for total, xx in zip(second, squares, strict=True)]
     return Moments(volume / 6, np.array(first) / 24, symmetric(np.array(second) / 120))
-
-
-_SAFE = 2.0**-170, 2.0**180
-"""Sizes of boxes whose fifth powers, and those of the triangles in them, stay clear of the ends of a float's range."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -191,10 +191,6 @@ def surface(triangles: Triangles) -> tuple[float, Floats, Floats, Floats]:
         raise sweep.beyond(triangles, "large" if sweep.reach.max() > 1 else "small")
     sums = sweep.totals().astype(np.float64)
     return float(sums[0] / 2), sums[1:4] / 6, symmetric(sums[4:10] / 24), sweep.reference
-
-
-ROUNDING = float_info.epsilon / 2
-"""Relative error of the float nearest to a number."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,6 +17,11 @@ _MOST_ANGLES = 50_000_000
 """Solid angles of faces that are taken to tell whether walls lie in bodies; where it takes more, they stay."""
 
 _ROUNDING = 16 * np.finfo(np.float64).eps
+_NEAR = 1e-6
+"""Distance of corners that rounding may have parted, over the size of the surface."""
+
+_CELL = 4.0
+"""Times this distance, the side of the cells in which near corners are sought."""
 
 
 def without_degenerate(mesh: Indexed) -> Indexed:
@@ -139,13 +144,6 @@ def _superfluous(faces: Numbers, doubtful: Mask, alone: bool) -> Mask:
     found = np.zeros_like(doubtful)
     found[rows] = ((goes <= stays) & (alone | (near > 0)))[group]
     return found
-
-
-_NEAR = 1e-6
-"""Distance of corners that rounding may have parted, over the size of the surface."""
-
-_CELL = 4.0
-"""Times this distance, the side of the cells in which near corners are sought."""
 
 
 def welded(mesh: Indexed, rim: Numbers) -> Indexed:

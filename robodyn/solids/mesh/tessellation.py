@@ -32,6 +32,15 @@ _BENT = 1e-3
 
 _FLAT = 1e-5
 _EDGES = 1 << 14
+_COLUMNS = ("start", "end", "angle", "length", "heights", "feet", "outward", "triangles")
+_UNLIKE = 3
+_UNPAIRED = 0.6
+_SAME = 0.1
+OUTSIDE = 0.5
+"""Of what facets lack where their corners are on the smooth surface, that they take in where they touch it."""
+
+SHIFT = 0.6
+"""Of what the centre would move if all doubt were on one side, how far it may."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,9 +71,6 @@ class BentEdges:
         if chosen.all():
             return self
         return replace(self, **{name: getattr(self, name)[..., chosen] for name in _COLUMNS})
-
-
-_COLUMNS = ("start", "end", "angle", "length", "heights", "feet", "outward", "triangles")
 
 
 def bent_edges(corners: Array) -> BentEdges:
@@ -116,11 +122,6 @@ def _bent(
     feet = ((opposite - start[:, None]) * along[:, None]).sum(axis=0) / length**2
     found = (start, end, angle, length, sizes / length, feet, outward, triangles[:, kept])
     return dict(zip(_COLUMNS, found, strict=True))
-
-
-_UNLIKE = 3
-_UNPAIRED = 0.6
-_SAME = 0.1
 
 
 def _unpaired(edges: BentEdges, among: Mask) -> Floats:
@@ -284,13 +285,6 @@ def _of_smooth(edges: BentEdges, least: float) -> list[tuple[Floats, Floats, Flo
         there = np.where(sharp, 0.0, missing[side])[chosen], _ENDING * size[side][chosen]
         found.append((edges.start[:, chosen] - across, edges.end[:, chosen] - across, *there, chosen))
     return found
-
-
-OUTSIDE = 0.5
-"""Of what facets lack where their corners are on the smooth surface, that they take in where they touch it."""
-
-SHIFT = 0.6
-"""Of what the centre would move if all doubt were on one side, how far it may."""
 
 
 @dataclass(frozen=True)

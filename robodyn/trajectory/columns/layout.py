@@ -41,6 +41,13 @@ _ARRAY = re.compile(rf"(?P<path>(?:.*[./_])?)(?!q){ANY_WORD}{_INDEX}")
 _LABEL = re.compile(rf"(?P<path>(?:.*[./_])?)(?:joint_)?names?{_INDEX}", re.IGNORECASE)
 _HEADER = re.compile(r"(?:.*[./_])?header[./_](?:seq|frame_id)")
 _SHOWN = 8
+ABSENT = -1
+T = TypeVar("T")
+_ALIKE = 0.7
+_LETTERS = 3
+"""Letters at least of a name that another may have in it."""
+_COMPARED, _OPTIONS = 200, 8
+"""So many unknown columns are compared with the names of joints, so many options written out."""
 
 
 @dataclass(frozen=True)
@@ -133,10 +140,6 @@ def _matches(pattern: re.Pattern[str], names: tuple[str, ...]) -> list[tuple[int
 
 def _number(found: re.Match[str]) -> int:
     return int(found["index"] or found["behind"])
-
-
-ABSENT = -1
-T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -311,13 +314,6 @@ def _placed(
     if missing:
         raise _incomplete(header, signals, missing, unknown)
     return found, tuple(followed)
-
-
-_ALIKE = 0.7
-_LETTERS = 3
-"""Letters at least of a name that another may have in it."""
-_COMPARED, _OPTIONS = 200, 8
-"""So many unknown columns are compared with the names of joints, so many options written out."""
 
 
 def _refuse_loops(header: Header, signals: Signals, unknown: Sequence[int]) -> None:

@@ -32,6 +32,8 @@ _APART = 18
 _COLOURED = 1.5  # power of a window's length: noise of steeper spectra is taken for motion
 _UNSURE = 2.0
 _MEDIAN = 0.6744897501960817
+Run = tuple[Floats, Floats, Floats]
+"""A stretch of a table: time (N,), values as given and to differentiate (N, c)."""
 
 
 @dataclass(frozen=True)
@@ -76,10 +78,6 @@ def _differences(time: Floats, values: Floats) -> Iterator[Floats]:
         weights = np.pad(weights[1:], ((0, 0), (1, 0))) - np.pad(weights[:-1], ((0, 0), (0, 1)))
         weights /= gap[:, None]
         yield values / np.sqrt((weights**2).sum(axis=1))
-
-
-Run = tuple[Floats, Floats, Floats]
-"""A stretch of a table: time (N,), values as given and to differentiate (N, c)."""
 
 
 def estimate(runs: Sequence[Run]) -> Noise:

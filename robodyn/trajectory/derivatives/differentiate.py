@@ -28,6 +28,11 @@ SMOOTH = 1.0
 _CELLS = 1 << 15
 _OWN = np.array((1.0, 2.0))
 """How often p_k and its slope count in the slope and the curvature of x p_k."""
+ORDER = 4
+FEWEST = 7
+"""Samples of a spline; through fewer goes one polynomial."""
+REACH = 64
+"""Samples over which a quintic spline forgets: its influence falls by 0.4306 a sample, to 4e-24 here."""
 
 
 class Basis(NamedTuple):
@@ -183,13 +188,6 @@ def _fitted(
 def _even(length: int, degree: int) -> Basis:
     u = (np.arange(length, dtype=np.float64) / (0.5 * (length - 1)) - 1.0)[:, None]
     return orthonormal(u, u, degree)
-
-
-ORDER = 4
-FEWEST = 7
-"""Samples of a spline; through fewer goes one polynomial."""
-REACH = 64
-"""Samples over which a quintic spline forgets: its influence falls by 0.4306 a sample, to 4e-24 here."""
 
 
 @dataclass(frozen=True)

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 _MATRICES = ("q", "qd", "qdd")
 _METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+_MARK = b"PAR1"
 
 
 class NpzTable(ArrayTable):
@@ -87,9 +88,6 @@ def _shape(archive: zipfile.ZipFile, info: zipfile.ZipInfo, file: str) -> tuple[
     if info.file_size != head + values * dtype.itemsize or shape[-1] > info.file_size:
         raise ValueError(f"{info.filename} holds fewer or more values than it says")
     return tuple(shape)
-
-
-_MARK = b"PAR1"
 
 
 class ParquetTable(ArrayTable):

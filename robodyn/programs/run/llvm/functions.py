@@ -13,6 +13,8 @@ from typing import NamedTuple
 
 SUFFIXES = {"double": "f64", "float": "f32"}
 BYTES = {"double": 8, "float": 4}
+LARGEST_QUARTER = 2.0**20
+"""Quarter turns up to which the reduction of an angle is accurate: 1.6e6 rad."""
 
 
 @dataclass
@@ -105,10 +107,6 @@ class Code:
 
     def doubles(self) -> Code:
         return Code("double", self.lanes, self.lines, self.declared)
-
-
-LARGEST_QUARTER = 2.0**20
-"""Quarter turns up to which the reduction of an angle is accurate: 1.6e6 rad."""
 
 
 def _hex(*texts: str) -> tuple[float, ...]:

@@ -38,6 +38,7 @@ entry:
 }}
 attributes #0 = {{ nounwind }}
 """
+_KEYWORDS, _FAST = 0x0002, 0x0080
 
 
 def sample_kernel(program: Program, widths: Mapping[str, int]) -> str:
@@ -294,9 +295,6 @@ class _Method(ctypes.Structure):
         ("flags", ctypes.c_int),
         ("doc", ctypes.c_char_p),
     ]
-
-
-_KEYWORDS, _FAST = 0x0002, 0x0080
 
 
 @cache

@@ -27,6 +27,8 @@ KINDS = ("stl", "obj", "ply", "off", *SCENES)
 """All types of meshes; also the suffixes of their names."""
 _OFF = rb"\s*(ST)?C?N?OFF\s"
 _OBJ = rb"(?m)^v[ \t]+[-+.\d]"
+_START, _RECORD = 84, 50
+_TYPE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
 
 def load_triangles(
@@ -120,10 +122,6 @@ def kind_of(source: Source, file_type: str | None) -> str:
     if found is None:
         raise source.error("the type of mesh is not known", remedy=f"say which: {', '.join(KINDS)}")
     return found
-
-
-_START, _RECORD = 84, 50
-_TYPE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
 
 def _is_binary_stl(head: bytes, size: int) -> bool:

@@ -33,6 +33,11 @@ _TYPES = {
 """Codes of `struct`, which are NumPy's as well."""
 _ENCODINGS: dict[str, Encoding] = {"ascii": "ascii", "binary_little_endian": "<", "binary_big_endian": ">"}
 _LONGEST = 1 << 20
+_AXES = ("x", "y", "z")
+_INDICES = ("vertex_indices", "vertex_index")
+_WANTED = ("vertex", "face")
+_Columns = dict[str, tuple[Any, Any]]
+"""By property: lengths, 1 where it is no list, and all values, one row after the other."""
 
 
 class Property(NamedTuple):
@@ -107,11 +112,6 @@ def read_header(source: Source) -> Header:
     return Header(encoding, found, stop + len(feed), text[:stop].count(feed) + 1)
 
 
-_AXES = ("x", "y", "z")
-_INDICES = ("vertex_indices", "vertex_index")
-_WANTED = ("vertex", "face")
-
-
 def read_ply(source: Source, scale: float, notes: tuple[str, ...]) -> MemoryTriangles:
     """Return the faces of a PLY, with coordinates of the type that the header names."""
     header = read_header(source)
@@ -148,10 +148,6 @@ def read_ply(source: Source, scale: float, notes: tuple[str, ...]) -> MemoryTria
         scale=scale,
         notes=notes,
     )
-
-
-_Columns = dict[str, tuple[Any, Any]]
-"""By property: lengths, 1 where it is no list, and all values, one row after the other."""
 
 
 def _read_text(source: Source, header: Header) -> dict[str, _Columns]:

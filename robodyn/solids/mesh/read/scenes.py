@@ -34,6 +34,14 @@ _LOOKS = (
     *(f"library_{name}" for name in ("materials", "effects", "images", "lights", "cameras", "animations")),
 )
 """Elements without which a scene has the same shape. A reference that is broken in one of them hides geometry."""
+_UNITS_3MF = {"micron": 1e-6, "millimeter": 1e-3, "centimeter": 1e-2, "inch": 0.0254, "foot": 0.3048, "meter": 1.0}
+_LARGEST_ELEMENT = 16
+"""Bytes of an element of an accessor, but for matrices, which no mesh has."""
+_HARMLESS = ("KHR_materials_", "KHR_texture_", "KHR_lights_", "EXT_texture_", "MSFT_texture_", "KHR_xmp")
+_FLOAT32 = ("dae", "glb", "gltf")
+"""Kinds whose coordinates are float32, in the file or in their reader."""
+
+_Part = tuple[Corners, Indices]
 
 
 @dataclass(frozen=True)
@@ -89,12 +97,6 @@ def _dae(source: Source, stream: BinaryIO) -> Asset:
 
 def _tag(element: Element) -> str:
     return element.tag.rpartition("}")[2] if isinstance(element.tag, str) else ""
-
-
-_UNITS_3MF = {"micron": 1e-6, "millimeter": 1e-3, "centimeter": 1e-2, "inch": 0.0254, "foot": 0.3048, "meter": 1.0}
-_LARGEST_ELEMENT = 16
-"""Bytes of an element of an accessor, but for matrices, which no mesh has."""
-_HARMLESS = ("KHR_materials_", "KHR_texture_", "KHR_lights_", "EXT_texture_", "MSFT_texture_", "KHR_xmp")
 
 
 def _3mf(source: Source, stream: BinaryIO) -> Asset:
@@ -204,12 +206,6 @@ def _count(source: Source, uses: dict[str, list[str]], roots: list[str], limit: 
     total = max(sum(size[root] for root in roots), len(uses))
     if total > most:
         raise beyond(limit, f"{total} {what}", MeshError, file=source.name)
-
-
-_FLOAT32 = ("dae", "glb", "gltf")
-"""Kinds whose coordinates are float32, in the file or in their reader."""
-
-_Part = tuple[Corners, Indices]
 
 
 def read_scene(source: Source, kind: str, unit: str | None) -> MemoryTriangles:

@@ -15,6 +15,9 @@ from typing import BinaryIO
 from robodyn.errors import MeshError
 from robodyn.support.input_file import copied, open_input
 
+METRES = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "in": 0.0254}
+"""Metres per unit, by the names that `unit` may have."""
+
 
 @dataclass(frozen=True, eq=False)
 class Source:
@@ -104,10 +107,6 @@ def reading(name: str) -> Iterator[None]:
     except OSError as error:
         what = f"cannot be read: {(error.strerror or str(error)).lower()}"
         raise MeshError(what, remedy="check the name and the disk", file=name) from None
-
-
-METRES = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "in": 0.0254}
-"""Metres per unit, by the names that `unit` may have."""
 
 
 def scale_of(unit: str | None, own: float | None, name: str) -> tuple[float, str]:

@@ -21,6 +21,11 @@ _LONGEST_LINE = 1 << 24
 _INDEX = re.compile(r"[-+]?[0-9]{1,18}")
 _INDICES = re.compile(rf"(?:{_INDEX.pattern} )*")
 TRUNCATED = "the file is cut short: get it again"
+_SAMPLE = 1024
+_EXACT, _FLOAT32, _FLOAT64 = 5, 9, 16
+_OFF = re.compile(r"(?:ST)?C?N?OFF")
+_FACET = ("facet", "outer", "vertex", "vertex", "vertex", "endloop", "endfacet")
+"""How the lines of a facet begin."""
 
 
 def lines(source: Source, start: int = 0, first: int = 1) -> Iterator[tuple[int, str]]:
@@ -61,10 +66,6 @@ def indices(source: Source, line: int, words: list[str]) -> list[int]:
         word = next(word for word in words if not _INDEX.fullmatch(word))
         raise source.error(f"{word[:40]!r} is not an index", "indices are integers", line)
     return [*map(int, words)]
-
-
-_SAMPLE = 1024
-_EXACT, _FLOAT32, _FLOAT64 = 5, 9, 16
 
 
 def significand_of(coordinates: array[float]) -> int:
@@ -143,9 +144,6 @@ def _obj_lines(source: Source) -> Iterator[tuple[int, list[str]]]:
         yield line, before
 
 
-_OFF = re.compile(r"(?:ST)?C?N?OFF")
-
-
 def read_off(source: Source, scale: float, notes: tuple[str, ...]) -> MemoryTriangles:
     """Return the faces, `n i j k ...`, of an OFF; colours, normals and texture coordinates are left out."""
     rows = ((line, words) for line, text in lines(source) if (words := text.partition("#")[0].split()))
@@ -170,10 +168,6 @@ def read_off(source: Source, scale: float, notes: tuple[str, ...]) -> MemoryTria
         if read < promised:
             raise source.error(f"the header promises {promised} {name}, {read} are there", remedy=TRUNCATED)
     return found.triangles(source, scale, notes)
-
-
-_FACET = ("facet", "outer", "vertex", "vertex", "vertex", "endloop", "endfacet")
-"""How the lines of a facet begin."""
 
 
 def read_stl_text(source: Source, scale: float, notes: tuple[str, ...]) -> MemoryTriangles:
