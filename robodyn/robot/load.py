@@ -8,7 +8,7 @@ Of URDF:
 4. `urdf/description` raises what is wrong with them, and sees that links and joints are one tree.
 5. `assemble` (here) makes the `model`: fixed joints merged, mimic joints mapped, parents before children.
 
-`mjcf/read` makes the same description of MJCF.
+`mjcf/read` makes the same description of MJCF, `sdf/read` of SDF.
 
 What a model says of itself: `model`, `limits`, `kinematics` (named values, poses; recursions for any scalar).
 """
@@ -46,10 +46,10 @@ def load(
     xacro_args: Mapping[str, str] | None = None,
     trust_xacro: bool = False,
 ) -> Model:
-    """Return the Model of a URDF, xacro or MJCF file.
+    """Return the Model of a URDF, xacro, MJCF or SDF file.
 
     Args:
-        source: its path, or the bytes of a URDF or MJCF.
+        source: its path, or the bytes of a URDF, MJCF or SDF.
         moving_base: give the base six degrees of freedom of its own, as for a floating or a carried robot.
         package_paths: packages, or folders of packages, that are looked at first for what xacro includes and meshes.
         xacro_args: values of the arguments of a xacro file; defaults hold for the others.
@@ -83,10 +83,15 @@ def load_description(
     if xacro_args:
         what = f"the argument {shown(next(iter(xacro_args)))} is for a file that is xacro"
         raise InputError(what, remedy="xacro files end in .xacro", file=file)
-    if root_tag(data) == "mujoco":
+    tag = root_tag(data)
+    if tag == "mujoco":
         from robodyn.robot.mjcf.read import read_mjcf
 
         return read_mjcf(data, file, folders)
+    if tag == "sdf":
+        from robodyn.robot.sdf.read import read_sdf
+
+        return read_sdf(data, file, folders)
     return read_urdf(data, file, folders)
 
 

@@ -1,0 +1,280 @@
+"""What SDF says beyond a tree of links: loops, gravity, springs, followers, limits, masses by density; notes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import trimesh
+
+import robodyn
+from robodyn.errors import DescriptionError
+from robodyn.robot.kinematics import link_poses
+from robodyn.robot.load import load_description
+from robodyn.robot.masses.declared import declared
+from robodyn.robot.urdf.parts import INERTIA, Limit, Mimic
+
+TENSOR = "<inertia><ixx>0.3</ixx><iyy>0.4</iyy><izz>0.5</izz></inertia>"
+
+
+def body(name: str, at: str, more: str = "", mass: float = 2.0) -> str:
+    where = "<pose>0.1 0.2 0.3 0.1 0.2 0.3</pose>"
+    return f"<link name='{name}'><pose>{at}</pose><inertial>{where}<mass>{mass}</mass>{TENSOR}</inertial>{more}</link>"
+
+
+def joint(name: str, kind: str, parent: str, child: str, inside: str = "<axis><xyz>0 0 1</xyz></axis>") -> str:
+    return f"<joint name='{name}' type='{kind}'><parent>{parent}</parent><child>{child}</child>{inside}</joint>"
+
+
+def described(inside: str, version: str = "1.10"):
+    return load_description(f"<sdf version='{version}'><model name='m'>{inside}</model></sdf>".encode())
+
+
+def loaded(inside: str, version: str = "1.10"):
+    return robodyn.load(f"<sdf version='{version}'><model name='m'>{inside}</model></sdf>".encode())
+
+
+PAIR = joint("j0", "fixed", "world", "a", "") + body("a", "0 0 1 0.3 0 0") + body("b", "1 0 1 0 0.2 0")
+FOUR_BAR = (
+    joint("j0", "fixed", "world", "a", "")
+    + body("a", "0 0 0 0 0 0")
+    + body("b", "0 0 0 0 0 0.9")
+    + body("c", "1 0.5 0 0 0 0.1")
+    + body("d", "2 0 0 0 0 1.2")
+    + joint("ab", "revolute", "a", "b")
+    + joint("bc", "revolute", "b", "c")
+    + joint("ad", "revolute", "a", "d")
+)
+CLOSE = "<pose relative_to='a'>2.3 0.6 0 0 0 0.3</pose><axis><xyz>0 0 1</xyz></axis>"
+
+
+def urdf_of(description, constraint: str) -> bytes:
+    """The same tree as a URDF, with another element."""
+    text = ""
+    for link in description.links:
+        given = link.inertial
+        if given is None:
+            text += f"<link name='{link.name}'/>"
+            continue
+        entries = " ".join(f"{key}='{value!r}'" for key, value in zip(INERTIA, given.inertia, strict=True))
+        place = f"<origin xyz='{numbers(given.origin.xyz)}' rpy='{numbers(given.origin.rpy)}'/>"
+        inside = f"{place}<mass value='{given.mass!r}'/><inertia {entries}/>"
+        text += f"<link name='{link.name}'><inertial>{inside}</inertial></link>"
+    for each in description.joints:
+        place = f"<origin xyz='{numbers(each.origin.xyz)}' rpy='{numbers(each.origin.rpy)}'/>"
+        ends = f"<parent link='{each.parent}'/><child link='{each.child}'/><axis xyz='{numbers(each.axis)}'/>"
+        text += f"<joint name='{each.name}' type='{each.type}'>{place}{ends}</joint>"
+    return f"<robot name='m'>{text}{constraint}</robot>".encode()
+
+
+def numbers(values) -> str:
+    return " ".join(map(repr, values))
+
+
+@pytest.mark.parametrize(("kind", "urdf"), [("revolute", "revolute"), ("ball", "ball"), ("fixed", "fixed")])
+def test_a_joint_that_closes_a_loop_is_the_constraint_of_a_urdf(kind, urdf):
+    closing = joint("cd", kind, "c", "d", CLOSE if kind == "revolute" else CLOSE.partition("<axis>")[0])
+    order = FOUR_BAR + closing
+    if kind == "fixed":  # goes into the tree before hinges, one of which closes the loop
+        found = described(order)
+        assert [loop["name"] for loop in found.scene["loop"]] == ["ad"]
+        return
+    found = described(order)
+    (loop,) = found.scene["loop"]
+    assert (loop["name"], loop["link"], loop["to"], loop["kind"]) == (
+        "cd",
+        "d",
+        "c",
+        {"ball": "point"}.get(kind, "hinge"),
+    )
+    model = robodyn.load(f"<sdf version='1.10'><model name='m'>{order}</model></sdf>".encode())
+    poses = link_poses(model, np.zeros(model.nq))
+    points = [poses[loop[end]].R @ loop[at] + poses[loop[end]].p for end, at in (("link", "point"), ("to", "to_point"))]
+    np.testing.assert_allclose(points, [[2.3, 0.6, 0.0]] * 2, atol=1e-14)
+    text = "".join(
+        f"<{role}_origin xyz='{numbers(loop[at])}'/><{role}_axis xyz='0 0 1'/>"
+        for role, at in (("child", "point"), ("parent", "to_point"))
+    )
+    text = f"<constraint name='cd' type='{urdf}'><parent link='c'/><child link='d'/>{text}</constraint>"
+    other = robodyn.load(urdf_of(found, text))
+    ours, theirs = robodyn.scene_of(model).loops[0], robodyn.scene_of(other).loops[0]
+    assert ours == replace(theirs, axis=ours.axis, to_axis=ours.to_axis)
+    np.testing.assert_allclose([ours.axis, ours.to_axis], [theirs.axis, theirs.to_axis], atol=1e-14)
+
+
+def test_welds_and_loops_of_other_kinds():
+    weld = described(PAIR + joint("j", "fixed", "a", "b", "") + joint("w", "fixed", "a", "b", ""))
+    (loop,) = weld.scene["loop"]
+    assert loop["kind"] == "weld"
+    found = described(FOUR_BAR + joint("u", "prismatic", "c", "d") + joint("v", "prismatic", "b", "d"))
+    assert {loop["name"] for loop in found.scene["loop"]} <= {"ab", "bc", "ad"}
+    both = described(PAIR + joint("u", "prismatic", "a", "b") + joint("v", "prismatic", "a", "b"))
+    assert [what for _, what in both.notes] == [
+        "left out, as nothing here is like it: joint 'v' (prismatic), which closes a loop"
+    ]
+    stiff = "<axis><dynamics><damping>1</damping></dynamics></axis>"
+    damped = described(PAIR + joint("u", "revolute", "a", "b") + joint("v", "revolute", "a", "b", stiff))
+    assert "limits, friction and springs of joint 'v', which closes a loop" in damped.notes[0][1]
+
+
+def test_a_closed_chain_is_computed():
+    model = loaded(FOUR_BAR + joint("cd", "revolute", "c", "d", CLOSE))
+    assert len(robodyn.scene_of(model).loops) == 1
+    assert model.n == 3
+
+
+def test_limits_that_are_none():
+    def limits(kind, **given):
+        text = "".join(f"<{key}>{value}</{key}>" for key, value in given.items())
+        inside = f"<axis><xyz>0 0 1</xyz><limit>{text}</limit></axis>"
+        return described(PAIR + joint("j", kind, "a", "b", inside)).joints[1]
+
+    assert limits("revolute", lower="-inf", upper="inf").type == "continuous"
+    assert limits("revolute", lower="-1e16", upper="1e+16", effort="-1", velocity="-1").limit is None
+    assert limits("revolute", lower="-1.79769e+308", upper="1.79769e+308").limit is None
+    found = limits("revolute", lower="-1", upper="2", effort="3", velocity="4")
+    assert (found.type, found.limit) == ("revolute", Limit(-1.0, 2.0, 3.0, 4.0))
+    assert limits("prismatic", lower="-1", upper="1e16").limit == Limit(-1.0)
+    assert limits("continuous", lower="-1", upper="1", effort="5").limit == Limit(effort=5.0)
+    with pytest.raises(DescriptionError, match="<lower> of joint 'j' is not finite"):
+        limits("revolute", lower="nan")
+
+
+def test_friction_and_springs():
+    dynamics = "<damping>0.3</damping><friction>0.4</friction><spring_stiffness>5</spring_stiffness>"
+    inside = f"<axis><dynamics>{dynamics}<spring_reference>0.2</spring_reference></dynamics></axis>"
+    found = described(PAIR + joint("j", "revolute", "a", "b", inside))
+    assert (found.joints[1].damping, found.joints[1].friction) == (0.3, 0.4)
+    assert found.scene == {"spring": {"j": {"stiffness": 5.0, "rest": 0.2}}}
+    model = loaded(PAIR + joint("j", "revolute", "a", "b", inside))
+    tau = [
+        robodyn.inverse_dynamics(model, [0.5], [0.0], [0.0], scene=scene)
+        for scene in (robodyn.Scene(), robodyn.scene_of(model))
+    ]
+    assert float((tau[1] - tau[0])[0]) == pytest.approx(5.0 * 0.3, abs=1e-12)
+    ball = described(PAIR + joint("j", "ball", "a", "b", inside))
+    assert [each.damping for each in ball.joints[1:]] == [0.3] * 3
+    assert "friction and springs act on their angles" in ball.notes[0][1]
+
+
+def test_revolute2_is_two_hinges():
+    two = "<axis><xyz>1 0 0</xyz></axis><axis2><xyz>0.6 0.8 0</xyz></axis2>"
+    model, named = loaded(PAIR + joint("j", "revolute2", "a", "b", two)), ("j_1", "j_2")
+    assert model.joint_names == named
+    row = joint("j_1", "revolute", "a", "i", "<axis><xyz>1 0 0</xyz></axis>")
+    row += joint("j_2", "revolute", "i", "b", "<axis><xyz>0.6 0.8 0</xyz></axis>")
+    tiny = "<mass>0</mass><inertia><ixx>0</ixx><iyy>0</iyy><izz>0</izz></inertia>"
+    tiny = f"<link name='i'><pose relative_to='b'/><inertial>{tiny}</inertial></link>"
+    other, q = loaded(PAIR + tiny + row), np.array([0.4, -0.9])
+    np.testing.assert_allclose(robodyn.mass_matrix(model, q), robodyn.mass_matrix(other, q), atol=1e-14)
+
+
+CHAIN = PAIR + body("c", "1 1 1 0 0 0") + joint("j", "revolute", "a", "b") + joint("k", "revolute", "a", "c")
+
+
+def test_mimic():
+    mimic = "<mimic joint='j'><multiplier>-2</multiplier><offset>0.5</offset><reference>0.1</reference></mimic>"
+    inside = f"<axis><xyz>0 0 1</xyz>{mimic}</axis>"
+    found = described(
+        PAIR + body("c", "1 1 1 0 0 0") + joint("j", "revolute", "a", "b") + joint("k", "revolute", "a", "c", inside)
+    )
+    assert found.joints[2].mimic == Mimic("j", -2.0, 0.5 + 2 * 0.1)
+    with pytest.raises(DescriptionError, match="joint 'j' mimics itself"):
+        described(PAIR + joint("j", "revolute", "a", "b", inside))
+    with pytest.raises(DescriptionError, match="joint 'k' names 'x', which does not exist"):
+        described(PAIR + joint("k", "revolute", "a", "b", inside.replace("'j'", "'x'")))
+
+
+@pytest.mark.parametrize(
+    ("axis", "turned", "factor"), [("0 0 1", False, -3.0), ("0 0 -1", False, 3.0), ("0 0 1", True, 3.0)]
+)
+def test_a_gearbox_is_a_follower(axis, turned, factor):
+    """theta_2 = -ratio theta_1, angles against the reference body; in the frame of the child, b is turned by 0.2."""
+    common = "<axis><xyz expressed_in='a'>0 0 1</xyz></axis>"
+    hinges = joint("j", "revolute", "a", "b", common) + joint(
+        "k", "revolute", *(("c", "a") if turned else ("a", "c")), common
+    )
+    gears = "<gearbox_ratio>3</gearbox_ratio><gearbox_reference_body>a</gearbox_reference_body>" + common
+    gears += f"<axis2><xyz expressed_in='a'>{axis}</xyz></axis2>"
+    found = described(PAIR + body("c", "1 1 1 0 0 0") + hinges + joint("g", "gearbox", "b", "c", gears))
+    assert {each.name: each.mimic for each in found.joints} == {"j0": None, "j": None, "k": Mimic("j", factor)}
+    lost = described(CHAIN + joint("g", "gearbox", "b", "c", gears))
+    assert "gearbox 'g', whose links do not turn about its reference body" in lost.notes[0][1]
+
+
+def test_gravity_of_links_and_worlds():
+    light = PAIR.replace("<link name='b'>", "<link name='b'><gravity>0</gravity>") + joint("j", "revolute", "a", "b")
+    model, q = loaded(light), np.array([0.7])
+    held = robodyn.bias_forces(model, q, [0.0], scene=robodyn.scene_of(model))
+    np.testing.assert_allclose(held, 0.0, atol=1e-12)
+    assert abs(robodyn.bias_forces(model, q, [0.0])[0]) > 0.1
+    assert "gravity is off for 'b'" in model.notes[0]
+    assert described(light.replace("name='a'>", "name='a'><gravity>false</gravity>")).scene == {"gravity": [0.0] * 3}
+    assert described("<gravity>0</gravity>" + PAIR + joint("j", "revolute", "a", "b")).scene == {"gravity": [0.0] * 3}
+    world = f"<sdf version='1.10'><world name='w'><gravity>0 1 -3</gravity><model name='m'>{PAIR}</model></world></sdf>"
+    found = load_description(world.encode())
+    assert (found.name, found.root, found.scene) == ("m", "world", {"gravity": [0.0, 1.0, -3.0]})
+
+
+def test_a_model_that_nothing_fixes_stands_as_that_of_a_urdf():
+    free = body("a", "0 0 1 0 0 0") + body("b", "1 0 1 0 0.2 0") + joint("j", "revolute", "a", "b")
+    found = described(free)
+    assert (found.root, len(found.joints)) == ("a", 1)
+    assert "nothing fixes 'a' to the world: SDF lets it move, and it stands fixed here" in found.notes[0][1]
+    assert not described("<static>1</static>" + free).notes
+    turned = described("<pose>0 0 1 1 0 0</pose>" + free)
+    assert (turned.root, turned.joints[0].type, turned.joints[0].origin.rpy[0]) == (
+        "world",
+        "fixed",
+        pytest.approx(1.0),
+    )
+    several = described(free + body("c", "0 0 0 0 0 0"))
+    assert [each.type for each in several.joints] == ["floating", "floating", "continuous"]
+    model = loaded(free + body("c", "0 0 0 0 0 0"))
+    assert model.n == 13
+    assert np.isfinite(robodyn.mass_matrix(model, robodyn.robot.kinematics.configuration(model))).all()
+
+
+def test_masses_by_density(tmp_path):
+    trimesh.creation.box((1, 2, 3)).export(tmp_path / "box.stl")
+    box = "<geometry><box><size>1 2 3</size></box></geometry>"
+    mesh = "<geometry><mesh><uri>box.stl</uri><scale>2 1 1</scale></mesh></geometry>"
+    (tmp_path / "m.sdf").write_text(
+        "<sdf version='1.12'><model name='m'><link name='a'><inertial auto='true'><density>500</density></inertial>"
+        f"<collision name='c'><pose>1 0 0 0 0 0.3</pose>{box}</collision>"
+        f"<collision name='d'><density>200</density><pose>-1 0 0 0.2 0 0</pose>{mesh}</collision></link></model></sdf>"
+    )
+    found = declared(load_description(tmp_path / "m.sdf").links[0]).body
+    one, two = (trimesh.creation.box(size) for size in ((1, 2, 3), (2, 2, 3)))
+    one.density, two.density = 500, 200
+    one.apply_transform(trimesh.transformations.compose_matrix(translate=(1, 0, 0), angles=(0, 0, 0.3)))
+    two.apply_transform(trimesh.transformations.compose_matrix(translate=(-1, 0, 0), angles=(0.2, 0, 0)))
+    assert found.mass == pytest.approx(one.mass + two.mass, rel=1e-12)
+    centre = (one.mass * one.center_mass + two.mass * two.center_mass) / found.mass
+    np.testing.assert_allclose(found.com, centre, atol=1e-12)
+    inertia = sum(
+        each.moment_inertia + each.mass * ((d := each.center_mass - centre) @ d * np.eye(3) - np.outer(d, d))
+        for each in (one, two)
+    )
+    np.testing.assert_allclose(found.inertia, inertia, rtol=1e-12, atol=1e-9)
+    with pytest.raises(DescriptionError, match="no mass of a <collision> of link 'a'"):
+        described(
+            "<link name='a'><inertial auto='1'/><collision name='c'><geometry><plane/></geometry></collision></link>"
+        )
+    with pytest.raises(DescriptionError, match='has <inertial auto="true"> and no <collision>'):
+        described("<link name='a'><inertial auto='1'/></link>")
+
+
+def test_what_is_left_out_is_one_note():
+    left = described(
+        PAIR
+        + joint("j", "fixed", "a", "b", "")
+        + "<plugin/><plugin/><gripper/>"
+        + "<link name='c'><visual><geometry><plane/></geometry></visual></link>"
+    )
+    assert [what for _, what in left.notes] == [
+        "nothing fixes 'c' to the world: SDF lets it move, and it moves here, too",
+        "no <inertial> in 'c': SDF makes it 1 kg, and 1 kg m^2 about each axis",
+        "left out, as nothing here is like it: 2 <plugin>; 1 <gripper>; 1 <plane> of a visual",
+    ]
