@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from math import degrees, hypot
+from operator import itemgetter
 
 import numpy as np
 
@@ -68,7 +70,8 @@ def no_limit(context: Context) -> Faults:
             yield Fault(joint.name_span, f"a {joint.type} joint without <limit>", remedy)
 
 
-_FEW, _FEEBLE = 3, 1000.0
+_FEW = 3
+_TURNING = ("revolute", "continuous")
 
 
 @rule("RD506", Severity.WARNING, good=arm(), bad=('"30"', '"0"'), explains=("RD901",))
@@ -78,7 +81,7 @@ def effort_velocity(context: Context) -> Faults:
     URDF asks for both wherever there is a <limit>: urdfdom refuses a file in which one is missing, also that of a fixed
     joint. With a limit of 0 some simulators never move the joint, and others do not limit it. 1e9 is a stand-in that
     nothing can be sized against: a remark; an effort in N mm is RD515's. One joint of four or more with a thousandth of
-    the effort of all others has lost its digits.
+    the effort, or a fiftieth of the speed, of all others has lost its digits.
     """
     limits, of_another_unit = context.thresholds, context.once(of_numbers)
     for joint in context.view.joints:
@@ -97,15 +100,14 @@ def effort_velocity(context: Context) -> Faults:
             else:
                 what, kind = f"{numbers.attribute} is {value:g}, not positive", "a limit that is not positive"
                 yield Fault(numbers.span, what, remedy, value, 0.0, kind=kind)
-    efforts = [joint.limit.effort for joint in context.view.joints if joint.moves and joint.limit is not None]
-    positive = sorted(
-        (effort for effort in efforts if (effort.value or 0.0) > 0), key=lambda effort: effort.value or 0.0
-    )
-    if len(positive) > _FEW:
-        least, others = positive[0].value or 0.0, positive[1].value or 0.0
-        if least * _FEEBLE <= others < limits.most_effort:
-            what = f"effort is {least:g}, and that of every other joint {others:g} or more"
-            yield Fault(positive[0].span, what, "write what the drive can do", least, others)
+    turning = [joint.limit for joint in context.view.joints if joint.type in _TURNING and joint.limit is not None]
+    for name, factor, most in (("effort", 1000.0, limits.most_effort), ("velocity", 50.0, limits.most_velocity)):
+        given = [getattr(limit, name) for limit in turning]
+        positive = sorted(((one.value, one.span) for one in given if (one.value or 0.0) > 0), key=itemgetter(0))
+        if len(positive) > _FEW and positive[0][0] * factor <= positive[1][0] < most:
+            (least, at), (others, _) = positive[:2]
+            what = f"{name} is {least:g}, and that of every other joint {others:g} or more"
+            yield Fault(at, what, "write what the drive can do", least, others)
 
 
 @rule(
@@ -261,7 +263,7 @@ _ONE_LINE, _OF_REACH, _PARALLEL, _ACROSS = 1e-3, 1e-2, 0.9998, 0.1
 _FLAT, _ROUND, _CENTRED = 0.5, 0.02, 0.05
 """Of a disc: its least second moment over the largest, how far the other two differ, and how far its centre is from
 the joint, by its radius of gyration. Of 3370 pairs of joints and 120 such parts of published robots none is found."""
-_TURNING = ("revolute", "continuous")
+_OTHERS = 5
 
 
 @rule(
@@ -277,8 +279,10 @@ def idle_axis(context: Context) -> Faults:
     Two joints in a row about one line, with nothing else on the body between them, do what one does: a robot has no
     such pair, and one of the two axes is wrong, or the rpy of an origin is, which was lost perhaps. Nor has it a wheel
     or a flange that turns about a line across its disc: a last part whose uniform solid is flat and round, with its
-    centre in the axis of its joint.
+    centre in the axis of its joint. Nor one, behind the first, that turns about y where five others or more, and all
+    of them, turn about z of their frames, as CAD programs write them.
     """
+    yield from _other_axis(context)
     tree, poses, shapes = context.tree, context.once(rest_poses), context.once(shaped)
     lines, near = {}, min(_ONE_LINE, _OF_REACH * reach(context))
     for group in tree.groups:
@@ -306,3 +310,19 @@ def idle_axis(context: Context) -> Faults:
                 own = " ".join(f"{x + 0.0:.2g}" for x in np.round(axes[2], 3).tolist())
                 what = f"it turns about {' '.join(f'{x:g}' for x in axis)}, but its part is a disc about {own}"
                 yield Fault(joint.axis.span, what, f'write <axis xyz="{own}"/>, if it turns in its plane')
+
+
+def _other_axis(context: Context) -> Faults:
+    """Yield the joint that alone turns about another axis of its frame than all others; none of the root's."""
+    found = {}
+    for joint in context.view.joints:
+        axis = joint.axis.or_default(1.0, 0.0, 0.0)
+        if joint.type in _TURNING and joint.mimic is None and axis is not None:
+            found[joint.name] = tuple(round(abs(x), 3) for x in axis)
+    (axis, count), *_ = [*Counter(found.values()).most_common(1), (None, 0)]
+    for name, other in found.items():
+        joint = context.view.joint[name]
+        if _OTHERS <= count == len(found) - 1 and other != axis and context.tree.group[joint.parent].joint is not None:
+            own, theirs = (" ".join(f"{x:g}" for x in each or ()) for each in (other, axis))
+            what = f"it turns about {own} of its frame, and all {count} other joints about {theirs}"
+            yield Fault(joint.axis.span, what, f'write <axis xyz="{theirs}"/>, with its sign, unless it is meant')

@@ -315,31 +315,37 @@ _ORDER = (
 
 
 def _passed_over(context: Context) -> Faults:
-    """Links whose parent names say to be a sibling of theirs that carries nothing."""
-    tree = context.tree
-    for group in tree.groups:
-        if group.joint is None or group.parent is None or group.parent.joint is None:
+    """Links whose parent names say to be a sibling of theirs that carries nothing; two ends in a row of numbers are
+    fingers, rotors or wheels."""
+    for group in context.tree.groups:
+        if group.joint is None or group.parent is None:
             continue
-        link, over = group.joint.child, group.parent.joint.child
+        link, over = group.joint.child, group.parent.joint.child if group.parent.joint else ""
         for other in group.parent.children:
-            beside = other.joint.child if other.joint is not None and not other.children and other.mass else link
-            if beside != link and _between(over, beside, link):
-                what = f"it makes {shown(link)} a child of {shown(over)}, beside {shown(beside)}, which carries nothing"
+            is_part = not other.children and any(each.inertial or each.geometries for each in other.links)
+            beside = other.joint.child if other.joint is not None and is_part else link
+            numbered = bool(group.children) and _numbered(over, beside, link)
+            if beside != link and (numbered or _in_order((over, beside, link))):
+                on = shown(group.joint.parent)
+                what = f"it makes {shown(link)} a child of {on}, beside {shown(beside)}, which carries nothing"
                 parent = next(child for child in group.joint.element.children if child.tag == "parent")
                 yield Fault(value_span(parent, "link"), what, f"make {shown(beside)} its parent")
 
 
-def _between(inner: str, middle: str, outer: str) -> bool:
-    """Whether three names are those of links in a row, by their one number or by words for parts of one side."""
-    numbers = [re.split(r"(\d+)", name) for name in (inner, middle, outer)]
-    if all(len(parts) == 3 for parts in numbers) and len({(parts[0], parts[2]) for parts in numbers}) == 1:
-        first, second, third = (int(parts[1]) for parts in numbers)
-        return abs(third - first) == 2 and first + third == 2 * second
-    ranks = [
-        [k for k, words in enumerate(_ORDER) if any(word in name.lower() for word in words)]
-        for name in (inner, middle, outer)
-    ]
-    sides = {frozenset(side for side in ("left", "right") if side in name.lower()) for name in (inner, middle, outer)}
+def _numbered(inner: str, middle: str, outer: str) -> bool:
+    """Whether links are in a row by their one number, as in link_3, link_4, link_5; a root comes before 0 and 1."""
+    parts = [re.split(r"(\d+)", name) for name in (inner, middle, outer)]
+    first, second, third = (int(each[1]) if len(each) == 3 else -1 for each in parts)
+    row = {(each[0], each[-1]) for each in parts[0 if inner else 1 :]}
+    if len(row) != 1 or min(second, third) < 0:
+        return False
+    return (first + third == 2 * second and abs(third - first) == 2) if inner else third == second + 1 <= 2
+
+
+def _in_order(names: Sequence[str]) -> bool:
+    """Whether links of one side are in a row by their words."""
+    ranks = [[k for k, words in enumerate(_ORDER) if any(word in name.lower() for word in words)] for name in names]
+    sides = {frozenset(side for side in ("left", "right") if side in name.lower()) for name in names}
     return len(sides) == 1 and all(len(found) == 1 for found in ranks) and ranks[0] < ranks[1] < ranks[2]
 
 

@@ -281,8 +281,10 @@ def row(names: str, child: str, parent: str) -> Context:
     ("names", "child", "parent", "right"),
     [
         ("shoulder upper_arm forearm wrist_1 wrist_2", "wrist_1", "upper_arm", "forearm"),
-        ("link_1 link_2 link_3 link_4", "link_4", "link_2", "link_3"),
-        ("l4 l3 l2 l1", "l1", "l3", "l2"),
+        ("link_1 link_2 link_3 link_4 tool", "link_4", "link_2", "link_3"),
+        ("link_1 link_2 link_3 link_4", "link_4", "link_2", ""),
+        ("link1 link2 link3", "link2", "base", "link1"),
+        ("l4 l3 l2 l1 tool", "l1", "l3", "l2"),
         ("link_1 link_2 link_3 link_4", "link_4", "link_1", ""),
         ("yaw pitch roll", "roll", "yaw", ""),
         ("shoulder upper_arm forearm wrist_1", "wrist_1", "forearm", ""),

@@ -180,6 +180,9 @@ MASSES = (
 )
 _MASS, _TURN = r'(<mass\s+value=")[^"]*', r'(<inertial>.*?<origin[^>]*?)rpy\s*=\s*"[^"]*"'
 TWINS = (
+    Plant("RD517", "xarm7", "joint joint4", '<axis xyz="[^"]*"', '<axis xyz="0 1 0"', "all 6 other joints about 0 0 1"),
+    Plant("RD506", "panda", "joint panda_joint4", 'velocity="2.175"', 'velocity="0.02175"', "every other joint 2.175"),
+    Plant("RD112", "panda", "joint panda_joint5", 'parent link="panda_link4"', 'parent link="panda_link3"', "beside"),
     Plant("RD406", "go2", "link FR_calf", "<collision.*</collision>", "", "its mirror twin 'FL_calf'"),
     Plant("RD517", "panda", "joint panda_joint2", 'rpy="[^"]*"', 'rpy="0 0 0"', "turns about the line of joint"),
     Plant("RD401", "hyq_no_sensors", "link lf_upperleg", _MASS, r"\g<1>1.5"),
