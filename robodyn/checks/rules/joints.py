@@ -100,9 +100,9 @@ def effort_velocity(context: Context) -> Faults:
             else:
                 what, kind = f"{numbers.attribute} is {value:g}, not positive", "a limit that is not positive"
                 yield Fault(numbers.span, what, remedy, value, 0.0, kind=kind)
-    turning = [joint.limit for joint in context.view.joints if joint.type in _TURNING and joint.limit is not None]
+    moving = [joint for joint in context.view.joints if joint.moves and joint.limit is not None]
     for name, factor, most in (("effort", 1000.0, limits.most_effort), ("velocity", 50.0, limits.most_velocity)):
-        given = [getattr(limit, name) for limit in turning]
+        given = [getattr(one.limit, name) for one in moving if name == "effort" or one.type in _TURNING]
         positive = sorted(((one.value, one.span) for one in given if (one.value or 0.0) > 0), key=itemgetter(0))
         if len(positive) > _FEW and positive[0][0] * factor <= positive[1][0] < most:
             (least, at), (others, _) = positive[:2]
@@ -302,7 +302,7 @@ def idle_axis(context: Context) -> Faults:
                     )
                     at = one.element.span if one.axis.element is None else one.axis.span
                     yield Fault(at, what, "check the axes of both, and the rpy of the outer one")
-        if shape is not None and not group.children:
+        if shape is not None and not group.children and joint.axis.element is not None:
             moments, axes = eigen(shape.solid.S)
             across = shape.solid.c - axes[2] * product(axes[2], shape.solid.c)
             disc = moments[2] <= _FLAT * moments[0] and moments[0] - moments[1] <= _ROUND * moments[0]
@@ -317,7 +317,7 @@ def _other_axis(context: Context) -> Faults:
     found = {}
     for joint in context.view.joints:
         axis = joint.axis.or_default(1.0, 0.0, 0.0)
-        if joint.type in _TURNING and joint.mimic is None and axis is not None:
+        if joint.type in _TURNING and joint.mimic is None and axis is not None and joint.axis.element is not None:
             found[joint.name] = tuple(round(abs(x), 3) for x in axis)
     (axis, count), *_ = [*Counter(found.values()).most_common(1), (None, 0)]
     for name, other in found.items():

@@ -291,6 +291,11 @@ def test_a_disc_turns_about_its_own_axis(shape: str, axis: str, centre: str, exp
     assert all(one.remedy.startswith('write <axis xyz="0 0 1"/>') for one in given)
 
 
+def test_a_disc_without_an_axis_is_told_of_its_axis_alone() -> None:
+    text = a_shaped_link(shape=WHEEL).replace('<axis xyz="0 1 0"/>', "").replace('xyz="0 0 0.125"', 'xyz="0 0 0"')
+    assert {one.code for one in check_one(text.encode())} & {"RD514", "RD517"} == {"RD514"}
+
+
 @pytest.mark.parametrize(
     ("origin", "other", "expected"),
     [("0 0.2 0", "", 2), ("0 0.2 0.002", "", 0), ("0 0.2 0", a_joint("neck", "upper", "head", LIMIT), 0)],
