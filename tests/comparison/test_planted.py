@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 from collections.abc import Callable, Iterator
-from math import degrees
+from math import atan2, degrees, hypot
 from pathlib import Path
 from random import Random
 
@@ -50,10 +50,8 @@ def turned(element: ET.Element) -> np.ndarray:
 
 
 def rpy(R: np.ndarray) -> str:
-    pitch = np.arctan2(-R[2, 0], np.hypot(R[0, 0], R[1, 0]))
-    return f"{np.arctan2(R[2, 1], R[2, 2])!r} {pitch!r} {np.arctan2(R[1, 0], R[0, 0])!r}".replace(
-        "np.float64(", ""
-    ).replace(")", "")
+    angles = atan2(R[2, 1], R[2, 2]), atan2(-R[2, 0], hypot(R[0, 0], R[1, 0])), atan2(R[1, 0], R[0, 0])
+    return " ".join(map(repr, angles))
 
 
 def distinct(I: np.ndarray) -> bool:
@@ -145,7 +143,7 @@ def zero(joint: ET.Element, _: ET.Element) -> bool:
 
 def placement(joint: ET.Element, _: ET.Element) -> bool:
     p = numbers(joint.find("origin"), "xyz")
-    origin(joint).set("xyz", " ".join(map(repr, (p + [0.0, 0.03, 0.02]).tolist())))
+    origin(joint).set("xyz", " ".join(map(repr, (p + np.array([0.0, 0.03, 0.02])).tolist())))
     return True
 
 
@@ -248,4 +246,5 @@ def test_planted(path: Path, kind: str) -> None:
 def test_equal_to_itself(path: Path) -> None:
     found = compare(robodyn.load(path), robodyn.load(path.read_bytes()))
     assert found.equal
-    assert not found.differences and not found.notes
+    assert not found.differences
+    assert not found.notes

@@ -23,6 +23,7 @@ COMMANDS = (
     ("inertia_comparison", "inertia robots/meshed_arm.urdf --compare"),
     ("check", "check robots/puma560.urdf robots/scara.urdf"),
     ("info", "info robots/gripper.urdf"),
+    ("diff", "diff robots/puma560.urdf robots/puma.urdf"),
     ("fbd", "fbd robots/scara.urdf --at 0.3,-0.5,0.05 --qdd elbow=2"),
     ("equations", "equations robots/puma560.urdf"),
     ("equations_closed", "equations robots/two_link_planar.urdf --form closed"),
