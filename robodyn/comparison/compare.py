@@ -48,9 +48,11 @@ class Comparison:
 
     @property
     def equal(self) -> bool:
-        """Whether no torque differs by more than the tolerance, and nothing differs that acts on none."""
-        beyond = [one for one in self.torques if one.exceeds(self.tolerance)]
-        return not beyond and not [one for one in self.differences if not one.acts or not self.torques]
+        """Whether nothing differs; with a tolerance whatever changes torques by no more is nothing."""
+        if any(one.exceeds(self.tolerance) for one in self.torques):
+            return False
+        forgiven = self.tolerance is not None and bool(self.torques)
+        return not [one for one in self.differences if not (one.acts and forgiven)]
 
 
 def compare(

@@ -54,7 +54,8 @@ def verdict(found: Comparison) -> doc.Verdict:
     worst, what = found.worst, count(len(found.differences), "difference")
     within = f"{RELATIVE:g} of the largest of each joint" if found.tolerance is None else f"{found.tolerance:g} N m"
     if found.equal:
-        return doc.Verdict("good", f"The same dynamics: torques agree within {within}")
+        same = f"torques agree within {within}, {what}" if found.differences else "no difference found"
+        return doc.Verdict("good", f"The same robot: {same}")
     if worst is None or not worst.exceeds(found.tolerance):
         return doc.Verdict("doubtful", f"The same torques within {within}, and {what}")
     guilty = worst.difference
