@@ -67,7 +67,7 @@ def mass(inertial: ET.Element, _: ET.Element) -> bool:
 
 def rotation_lost(inertial: ET.Element, _: ET.Element) -> bool:
     R, I = turned(inertial), matrix(inertial)
-    if np.abs(R @ I @ R.T - I).max() < 0.02 * np.abs(I).max():
+    if np.abs(R @ I @ R.T - I).max() <= 0.02 * np.abs(I).max():
         return False
     origin(inertial).set("rpy", "0 0 0")
     return True
