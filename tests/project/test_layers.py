@@ -21,6 +21,7 @@ ORDER = [
     ("scene",),
     ("dynamics", "trajectory"),
     ("equations", "identification", "loads", "simulation"),
+    ("comparison",),
     ("checks", "measure"),
     ("report",),
     ("cli",),
