@@ -30,7 +30,7 @@ class Comparison:
         torques: for each joint that both have, in the order of a; empty where loops or free bodies let no
             torque be compared joint by joint.
         tolerance: of the torques [N m, N]; None: `RELATIVE` of the largest torque of each joint.
-        notes: what was not compared, and names that differ.
+        notes: what was not compared, and links of another name.
     """
 
     a: Model
@@ -80,10 +80,5 @@ def _ranked(found: Sequence[Difference], torques: Sequence[TorqueDifference]) ->
 
 
 def _renamed(a: Model, b: Model, pairs: Sequence[Pair]) -> list[str]:
-    out = []
-    for pair in pairs:
-        mine, theirs = a.bodies[pair.a], b.bodies[pair.b]
-        for what, one, other in (("joint", mine.joint.name, theirs.joint.name), ("link", mine.name, theirs.name)):
-            if one != other and pair.a:
-                out.append(f"{what} {one!r} is {other!r} in {b.name or 'the other'}")
-    return out
+    names = ((a.bodies[pair.a].name, b.bodies[pair.b].name) for pair in pairs if pair.a)
+    return [f"link {mine!r} is {theirs!r} in B" for mine, theirs in names if mine != theirs]

@@ -90,6 +90,13 @@ def _only_in_one(a: Model, b: Model, pairs: Sequence[Pair]) -> Iterator[Differen
                 cause = "it is fixed there" if body.joint.name in fixed else ""
                 yield Difference("joint", "joint", body.joint.name, says, cause=cause)
     for pair in pairs:
+        mine, theirs = a.bodies[pair.a].joint.name, b.bodies[pair.b].joint.name
+        if pair.a and pair.b and mine != theirs:
+            yield Difference("name", "joint", mine, (repr(mine), repr(theirs)), cause="they stand in one place")
+    orders = [[name for name in each.joint_names if name in other.joint_names] for each, other in ((a, b), (b, a))]
+    if orders[0] != orders[1]:
+        yield Difference("order", "robot", "", (" ".join(orders[0]), " ".join(orders[1])), cause="q and tau are lists")
+    for pair in pairs:
         if not pair.same_parent:
             mine, theirs = (each.bodies[each.bodies[k].parent].name for each, k in ((a, pair.a), (b, pair.b)))
             yield Difference("parent", "joint", a.bodies[pair.a].joint.name, (repr(mine), repr(theirs)))

@@ -110,7 +110,7 @@ def test_a_pull_request_is_told_how_its_dynamics_differ(runner: Any, tmp_path: P
     status, lines, written = runner(**asked)
     assert status == 0
     assert lines[0].startswith("::warning file=clean.urdf,")
-    assert "joint '```@you': the joint is new" in written["GITHUB_STEP_SUMMARY"]
+    assert "```@you' here (they stand in one place)" in written["GITHUB_STEP_SUMMARY"]
     first, call, body = written["calls"].splitlines()
     assert (first, call) == ("robodyn", "api --silent --method POST repos/a/b/issues/7/comments --input -")
     text = json.loads(body)["body"]

@@ -3,12 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
-from math import inf, isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING
-
-import numpy as np
 
 from robodyn.checks.context import TARGETS
 from robodyn.checks.examples import a_joint, a_link, arm
@@ -16,10 +12,8 @@ from robodyn.checks.imported import INSTALLABLE, verdict_of
 from robodyn.checks.importers import FACTS, Verdict, named
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.errors import InputError
-from robodyn.programs.vectors import length
 from robodyn.robot.urdf.sources import EXPANDED, is_xacro
 from robodyn.robot.urdf.view import JointView, LinkView, Subject
-from robodyn.support.floats import first_largest
 
 if TYPE_CHECKING:
     from robodyn.robot.model import Model
@@ -99,10 +93,9 @@ def consumer_verdict(context: Context) -> Faults:
 def regression(context: Context) -> Faults:
     """The dynamics are those of the earlier version.
 
-    With --against REF, the robot is compared with what git has of the same file at that revision: joints that come,
-    go, move or change their order, types, axes, limits and friction; masses, centres of mass and inertias of the
-    moving bodies, with everything fixed to them; and the torques of both in random states, in percent of the
-    largest. Moving a fixed frame, renaming a fixed joint or splitting a link changes nothing here. Of a xacro file the
+    With --against REF, the robot is compared with what git has of the same file at that revision, with --against FILE
+    with another description, as `robodyn diff` does: the tree, joints, masses, what acts on joints, and the torques
+    of both. Moving a fixed frame, renaming a fixed joint or splitting a link changes nothing here. Of a xacro file the
     version is expanded with the files that it includes as they were. The examples are two versions of a file: the bad
     one is compared with the good one.
     """
@@ -116,28 +109,31 @@ def regression(context: Context) -> Faults:
         return
     parts: dict[Subject, LinkView | JointView] = {part.subject: part for part in context.view.links}
     parts |= {part.subject: part for part in context.view.joints}
-    for subject, what, size in changes(before, context.model):
+    from robodyn.comparison.compare import compare
+
+    found = compare(before, context.model)
+    for one in found.differences:
+        subject = Subject(one.subject, one.name)
         at = parts[subject].name_span if subject in parts else context.view.root.span
-        measured = size if isfinite(size) else None
-        yield Fault(at, f"{what}, against {against}", "see that the change is meant", measured, subject=subject)
+        cause = f" ({one.cause.replace('in B', 'here').replace('in A', f'in {against}')})" if one.cause else ""
+        what = f"{one.kind} {one.says[0]} in {against}, {one.says[1]} here{cause}"
+        yield Fault(at, what, "see that the change is meant", one.size, subject=subject)
+    worst = found.worst
+    if worst is not None and worst.worst > 0.0 and found.differences:
+        what = f"torques differ, most of all that of {worst.joint} by {worst.worst:.3g} {worst.unit}"
+        what += f" ({100.0 * worst.share:.3g} % of its {'limit' if worst.limit else 'largest'}), against {against}"
+        yield Fault(context.view.root.span, what, "see that the change is meant", worst.worst, subject=None)
 
 
-SAME = 1e-9
-"""Relative differences that are no more are rounding."""
 _MESHES = (".stl", ".dae", ".obj", ".ply", ".glb", ".gltf", ".png", ".jpg", ".STL", ".bag", ".mcap")
 """What descriptions include none of."""
 _PLAIN = ("-c", "safe.bareRepository=explicit", "-c", "core.fsmonitor=false")
 """No settings that name programs are taken from a repository that lies among the files of another."""
-_STATES = 32
-_SEED = 20_26
-
-
-Change = tuple[Subject, str, float]
-"""A link, joint or the robot, what is different in it, and how much."""
 
 
 def model_at(context: Context, ref: str) -> Model | str:
-    """Return the robot of a file at a git revision, of xacro with what it includes there; or why there is none.
+    """Return the robot of a file at a git revision, of xacro with what it includes there, or of another file; or why
+    there is none.
 
     Raises:
         InputError: git is not there, the file is in no repository, or that has no such revision.
@@ -150,6 +146,8 @@ def model_at(context: Context, ref: str) -> Model | str:
     from robodyn.support.children import run_program
 
     file = Path(context.reading.file.removesuffix(EXPANDED)).resolve()
+    if os.path.isfile(ref):
+        return load(ref, package_paths=context.package_path, xacro_args=dict(context.asked.xacro_args))
 
     def git(*words: str, folder: Path = file.parent) -> bytes | None:
         try:
@@ -163,8 +161,7 @@ def model_at(context: Context, ref: str) -> Model | str:
         raise InputError(f"{file.name} is in no git repository, which has its versions", remedy="leave --against out")
     if git("rev-parse", "--verify", "--quiet", "--end-of-options", f"{ref}^{{tree}}") is None:
         remedy = f"give one such as HEAD~1 or main, with which {file.name} itself is compared: git log lists them"
-        given = f"--against takes a revision of git, and {ref!r} is a file" if os.path.exists(ref) else ""
-        raise InputError(given or f"git has no revision {ref!r}", remedy=remedy)
+        raise InputError(f"git has no revision {ref!r}", remedy=remedy)
     root = Path(os.fsdecode(top).rstrip("\r\n")).resolve()
     place = file.relative_to(root)
     wanted = [f":(literal){place.as_posix()}"]
@@ -188,72 +185,3 @@ def model_at(context: Context, ref: str) -> Model | str:
             return load(then / place, package_paths=paths, xacro_args=dict(context.asked.xacro_args))
         except InputError as error:
             return f"its version cannot be read: {error.what}"
-
-
-def changes(before: Model, after: Model) -> Iterator[Change]:
-    """Yield what differs in joints, in masses, centres and tensors of links with everything fixed to them, and in the
-    torques: of inverse dynamics in 32 random states, the same in every run, of the coordinates that both have, the
-    others being at rest, the largest difference in a state over the largest torque there."""
-    from robodyn.dynamics.inverse import inverse_dynamics
-
-    robot = Subject("robot", after.name)
-    yield from (change for change in (*_joints(before, after), *_bodies(before, after)) if change[2] > SAME)
-    common = [name for name in after.rates if name in before.rates]
-    if not common or any(joint.kind == "floating" for joint in (*before.independent, *after.independent)):
-        return
-    rng = np.random.default_rng(_SEED)
-    states = [rng.uniform(-2.0, 2.0, (_STATES, len(common))) for _ in range(3)]
-    tau = []
-    for model in (before, after):
-        places = [model.rates.index(name) for name in common]
-        given = np.zeros((3, _STATES, model.n))
-        given[:, :, places] = states
-        tau.append(inverse_dynamics(model, *given, executor="numpy")[:, places])
-    difference, largest = np.abs(tau[1] - tau[0]).max(axis=1), np.abs(tau).max(axis=(0, 2))
-    relative = difference / np.where(largest > 0.0, largest, 1.0)
-    worst = first_largest(relative)
-    if (apart := float(relative[worst])) > SAME:
-        what = f"torques differ by up to {100 * apart:.3g} % in random states ({difference[worst]:.3g} N m or N)"
-        yield robot, what, apart
-
-
-def _joints(before: Model, after: Model) -> Iterator[Change]:
-    robot, (old, new) = (
-        Subject("robot", after.name),
-        (
-            {body.joint.name: body.joint for body in model.bodies if body.joint.kind != "fixed"}
-            for model in (before, after)
-        ),
-    )
-    yield from ((robot, f"joint {name!r} is gone", inf) for name in old if name not in new)
-    for name, joint in new.items():
-        subject = Subject("joint", name)
-        if name not in old:
-            yield subject, "the joint is new", inf
-            continue
-        for what in ("kind", "axis", "lower", "upper", "effort", "velocity", "damping", "friction"):
-            was, now = (getattr(each, what) for each in (old[name], joint))
-            if what == "axis":
-                was, now = tuple(was.tolist()), tuple(now.tolist())
-            if was != now:
-                words = [f"{value:g}" if isinstance(value, float) else str(value) for value in (was, now)]
-                yield subject, f"{'type' if what == 'kind' else what} {words[0]} has become {words[1]}", inf
-        moved = max(float(np.abs(old[name].R - joint.R).max()), float(np.abs(old[name].p - joint.p).max()))
-        yield subject, f"its place has moved by {moved:.3g} (m, or in the rotation)", moved
-    if [name for name in before.joint_names if name in new] != [name for name in after.joint_names if name in old]:
-        yield robot, "the joints are in another order", inf
-
-
-def _bodies(before: Model, after: Model) -> Iterator[Change]:
-    old = {body.name: body.inertia for body in before.bodies}
-    for body in after.bodies:
-        if body.name not in old:
-            continue
-        subject, was, now = Subject("link", body.name), old[body.name], body.inertia
-        mass = abs(now.m - was.m) / max(abs(now.m), abs(was.m), 1e-300)
-        yield subject, f"mass {was.m:.6g} kg has become {now.m:.6g} kg", mass
-        centre = length(now.centre_of_mass - was.centre_of_mass)
-        yield subject, f"the centre of mass has moved by {centre:.3g} m", centre
-        size = max(float(np.abs(now.I).max()), float(np.abs(was.I).max()), 1e-300)
-        tensor = float(np.abs(now.I - was.I).max()) / size
-        yield subject, f"the inertia about its origin has changed by {100 * tensor:.3g} %", tensor
