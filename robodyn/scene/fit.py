@@ -231,6 +231,8 @@ def _with(scene: Scene, described: Scene, given: Collection[str]) -> Scene:
             changes[name] = {**said, **own}
         elif name == "loops":
             changes[name] = (*(loop for loop in said if loop.name not in {each.name for each in own}), *own)
+        elif name == "wrenches":
+            changes[name] = (*said, *own)
         elif own == usual:
             changes[name] = said
     return replace(scene, **changes)

@@ -1,7 +1,7 @@
 """SDF -> Description: links and joints by their names, what closes loops, springs and gravity as a scene.
 
 1. `frames` reads models within models and files within files, and finds where everything stands at rest.
-2. Joints that make a tree of the links are joints, the others loops: ball joints first, then hinges.
+2. Joints that make a tree of the links are joints, the others loops: of those that can be, balls first, then hinges.
 3. A link has the axes that it has in SDF, and its origin there or, where it turns about another point, in that.
 """
 
@@ -14,7 +14,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from robodyn.errors import DescriptionError
+from robodyn.errors import DescriptionError, InputError, RobodynError
 from robodyn.programs.vectors import IDENTITY, ZERO, length, product, rpy_from_rotation, snapped
 from robodyn.robot.sdf.frames import MODEL, WORLD, Frames, Node, Pose, composed, named, pose_in, relative, truth
 from robodyn.robot.urdf import parts
@@ -67,8 +67,8 @@ class _Edge:
 
     @property
     def rank(self) -> int:
-        """Joints of low rank are taken into the tree first."""
-        return 2 if self.type == "ball" else int(self.type in _TURNS)
+        """Joints of low rank are taken into the tree first: those that are no loops, then welds, hinges, balls."""
+        return (None, "weld", "hinge", "point").index(_LOOPS.get(self.type))
 
 
 class _Robot:
@@ -337,17 +337,21 @@ class _Robot:
         for collision, pose in shapes:
             shape, density = self._shape(collision, node), _value(collision, "density", node, usual)
             path = None if shape is None or shape.filename is None else self.frames.search.find(shape.filename)
-            if not density > 0.0 or shape is None or (shape.filename is not None and path is None):
-                what = (
-                    f"no mass of a <collision> of {node.owner}: of a mesh that is found, or a box, cylinder, sphere, "
-                )
-                what += f"capsule, at the density {density:g} kg/m^3"
-                raise strict.error(collision.line, what, "write <mass> and <inertia>")
-            if path is None:
-                bodies.append((SHAPES[shape.shape](*shape.size, density=density), pose))
-            else:
-                part = mass_properties(load_triangles(path), scale=shape.scale, symmetry=False, tessellation=False)
-                bodies.append((part.body.scaled_to_mass(part.body.mass * density / WATER), pose))
+            try:
+                if not density > 0.0 or shape is None or (shape.filename is not None and path is None):
+                    raise InputError(
+                        f"is of a shape that is not known or not found, or of the density {density:g} kg/m^3"
+                    )
+                if path is None:
+                    body = SHAPES[shape.shape](*shape.size, density=density)
+                else:
+                    mesh = load_triangles(path)
+                    body = mass_properties(mesh, scale=shape.scale, symmetry=False, tessellation=False).body
+                    body = body.scaled_to_mass(body.mass * density / WATER)
+            except RobodynError as error:
+                what = f"a <collision> of {node.owner} gives no mass: {error.what}"
+                raise strict.error(collision.line, what, error.remedy or "write <mass> and <inertia>") from None
+            bodies.append((body, pose))
         if not bodies:
             raise self._error(node, 'has <inertial auto="true"> and no <collision>', "add one, or write the mass")
         body = composite(bodies)
@@ -358,7 +362,7 @@ class _Robot:
         """Return gravity, springs and loops as the tables of a scene."""
         frames = self.frames
         scene: dict[str, Any] = {"gravity": list(frames.gravity)} if frames.gravity else {}
-        light = [link.name for link in frames.links if self._weightless(link)]
+        light = {link.name: None for link in frames.links if self._weightless(link)}
         if len(light) == len(frames.links):
             scene["gravity"] = [0.0, 0.0, 0.0]
         elif light:
@@ -373,14 +377,27 @@ class _Robot:
                     scene["wrench"].append({"link": link.name, "force": force, "point": point, "frame": "world"})
         closing = {joint.name for edge in self.loops for joint in edge.row}
         scene["spring"] = {name: spring for name, spring in self.springs.items() if name not in closing}
-        scene["loop"] = [self._loop(edge) for edge in self.loops if edge.type in _LOOPS]
+        loops = [
+            edge
+            for edge in self.loops
+            if edge.type in _LOOPS and self._rigid(edge.child) is not self._rigid(edge.parent)
+        ]
+        scene["loop"] = [self._loop(edge) for edge in loops]
         for edge in self.loops:
             where = f"joint {shown(edge.node.name)}"
-            if edge.type not in _LOOPS:
+            if edge not in loops and edge.type in _LOOPS:
+                self.lost.append(f"{where}, whose links are fixed to each other")
+            elif edge.type not in _LOOPS:
                 self.lost.append(f"{where} ({edge.type}), which closes a loop")
             elif any(j.damping or j.friction or j.limit or j.name in self.springs for j in edge.row):
                 self.lost.append(f"limits, friction and springs of {where}, which closes a loop")
         return {key: value for key, value in scene.items() if value}
+
+    def _rigid(self, body: Node) -> Node:
+        """Return the link nearest to the root that a link is fixed to."""
+        while (edge := self.inboard.get(body)) is not None and not edge.row:
+            body = edge.parent if body is edge.child else edge.child
+        return body
 
     def _loop(self, edge: _Edge) -> dict[str, Any]:
         kind, joint, ends = _LOOPS[edge.type], self.frames.poses[edge.node], (edge.child, edge.parent)
@@ -408,11 +425,12 @@ class _Robot:
     def _followed(self, joints: Sequence[Joint]) -> list[Joint]:
         """Return the joints with those that mimic others: by <mimic> or gearbox."""
         mimics = {joint.name: joint.mimic for joint in joints if joint.mimic is not None}
+        rows = {edge.node: edge.row for edge in self.edges}
         for edge in self.edges:
             for name in (joint.name for joint in edge.row if joint.name in self.written):
                 mimic, node = self.written[name], edge.node
                 leader = self.frames.find(node.text.strict.text(mimic, "joint", node.owner), node)
-                of = next((each.row for each in self.edges if each.node is leader), [])
+                of = rows.get(leader, [])
                 which = min(int(mimic.get("axis") == "axis2"), len(of) - 1)
                 multiplier, offset = _value(mimic, "multiplier", node, 1.0), _value(mimic, "offset", node, 0.0)
                 offset -= multiplier * _value(mimic, "reference", node, 0.0)

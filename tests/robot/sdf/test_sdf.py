@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import importlib.metadata
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -292,6 +294,43 @@ FEATURES = {
     + link("d", B, 3)
     + joint("k", "revolute", "d", "c"),
 }
+
+
+OLD_AXIS = "<axis><xyz>1 2 -1</xyz>{}</axis>"
+OLD = {
+    ("1.6", "joint"): OLD_AXIS.format(""),
+    ("1.6", "model"): OLD_AXIS.format("<use_parent_model_frame>1</use_parent_model_frame>"),
+    ("1.5", "joint"): OLD_AXIS.format("<use_parent_model_frame>0</use_parent_model_frame>"),
+    ("1.4", "model"): OLD_AXIS.format(""),
+}
+
+
+@pytest.mark.parametrize("version", OLD)
+def test_versions_before_frames(version: tuple[str, str]) -> None:
+    pose = "<pose>0.1 0.2 0.3 0.4 0.5 0.6</pose>"
+    Pair(sdf(GROUNDED + link("b", B) + joint("j", "revolute", "a", "b", OLD[version], pose), version[0])).check()
+
+
+CASSIE = [f"cassie_{name}.sdf" for name in ("v2", "reduced", "simple", "wo_gearbox_spring")]
+
+
+@pytest.mark.parametrize("name", CASSIE)
+def test_cassie_without_its_loops(name: str, tmp_path: Path) -> None:
+    """Drake knows no loops: without the joints that close them, both have the tree; before they are the same tree."""
+    files = importlib.metadata.files("example-robot-data") or []
+    source = Path(next(file for file in files if file.name == name).locate())
+    text, whole = source.read_text(), load_description(source)
+    loops = [loop["name"] for loop in whole.scene["loop"]]
+    assert len(loops) == 4
+    for loop in loops:
+        text, found = re.subn(rf"<joint name=.{loop}..*?</joint>", "", text, flags=re.DOTALL)
+        assert found == 1
+    text = re.sub(r"<(visual|collision) .*?</\1>|<plugin.*?</plugin>|^<!--.*?-->", "", text, flags=re.DOTALL)
+    pair = Pair(text.strip())
+    pair.check(2)
+    assert [replace(link, geometries=(), line=0) for link in whole.links] == [
+        replace(link, line=0) for link in pair.description.links
+    ]
 
 
 @pytest.mark.parametrize("name", FEATURES)
