@@ -258,10 +258,12 @@ def symmetry(context: Context) -> Symmetry | None:
     plane = _mirror(named, p, above, near)
     if plane is None:
         return None
-    found, turned = dict[str, Pair](), dict[str, Floats]()
+    found, turned, carried = dict[str, Pair](), dict[str, Floats](), dict[Names, list[Names]]()
+    for names in named:
+        carried.setdefault((above[names[0]].parent, above[names[1]].parent), []).append(names)
     for left, right in named:
         joints = above[left], above[right]
-        below = [each for each in named if (above[each[0]].parent, above[each[1]].parent) == (left, right)]
+        below = carried.get((left, right), [])
         D, t = product(R[right].T, plane.H, R[left]), product(R[right].T, plane.image(p[left]) - p[right])
         pair, over = Pair(links[left], links[right], *joints, D), found.get(joints[1].parent)
         has = _contents(context, pair, [(above[one], above[its]) for one, its in below], near)
@@ -272,9 +274,10 @@ def symmetry(context: Context) -> Symmetry | None:
             pair = replace(pair, t=t)
             there = length(np.cross(t, axis)) <= near * length(axis) and pair.agrees(has)
         if apart and there:
-            if on_pair or joints[0].parent == joints[1].parent:
-                hung = [name for name in outward if _hangs_on(name, right, above)]
-                inside = [names for names in named if names[1] in hung[1:]]
+            odd = sum(not each.agrees(D, pair.t) for each in has) >= _TELL
+            if odd and (on_pair or joints[0].parent == joints[1].parent):
+                hung = _hung_on(right, outward, above)
+                inside = [names for names in named if names[1] in hung and names[1] != right]
                 pair, back = _by_contents(pair, has, inside, plane, near, R, p)
                 if back is not None:
                     turned[right] = product(R[joints[1].parent].T, back, R[right])
@@ -290,10 +293,13 @@ def symmetry(context: Context) -> Symmetry | None:
     return Symmetry(plane, R, p, near, above, named, {pair.right.name: pair for pair in confirmed}, turned)
 
 
-def _hangs_on(name: str, other: str, above: Mapping[str, Joint]) -> bool:
-    while name != other and name in above:
-        name = above[name].parent
-    return name == other
+def _hung_on(name: str, outward: Sequence[str], above: Mapping[str, Joint]) -> set[str]:
+    """A link and all that hangs on it."""
+    hung = {name}
+    for each in outward[1:]:
+        if above[each].parent in hung:
+            hung.add(each)
+    return hung
 
 
 _SQUARE = [
@@ -359,10 +365,7 @@ def _by_contents(
 
 
 def _other_axes(pair: Pair, has: Sequence[_Content], among: Sequence[Floats]) -> Floats | None:
-    """Which of these carries all that one link has to what its twin has, being nearest to the one that is there, where
-    two things are not carried so by this one."""
-    if sum(not each.agrees(pair.D, pair.t) for each in has) < _TELL:
-        return None
+    """Which of these carries all that one link has to what its twin has, being nearest to the one that is there."""
     fit = [D for D in among if replace(pair, D=D).agrees(has)]
     return max(fit, key=lambda D: float((D * pair.D).sum()), default=None)
 

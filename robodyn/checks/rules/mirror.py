@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Sequence
+from functools import cache
 from itertools import combinations
 from math import acos, degrees, isclose, pi, radians
+from pathlib import Path
 
 import numpy as np
 
@@ -411,9 +413,16 @@ def _more_apart(context: Context, link: LinkView, twin: LinkView) -> bool:
     return len(apart) < 2 or apart[0] > apart[1] + _LEAST_OFF
 
 
+def _files_of_sides(folder: Path) -> list[tuple[str, str]]:
+    try:
+        return list(named_pairs(os.listdir(folder)))
+    except OSError:
+        return []
+
+
 def _mesh_of_the_other(context: Context) -> Faults:
     """Yield the meshes of two links whose file is that of one of them, with one for the other beside it."""
-    files, view = context.once(mesh_names), context.view
+    files, view, listed = context.once(mesh_names), context.view, cache(_files_of_sides)
     for names in named_pairs(list(view.link)):
         meshes = [[shape for shape in view.link[name].geometries if shape.uri in files] for name in names]
         for shape in meshes[0] + meshes[1]:
@@ -424,7 +433,7 @@ def _mesh_of_the_other(context: Context) -> Faults:
                 continue
             if all(path.stem.lower() in name.lower() for name in names):
                 continue  # a letter of the part, as in the left ring finger L_rf
-            told = next((pair for pair in named_pairs(os.listdir(path.parent)) if path.name in pair), ("", ""))
+            told = next((pair for pair in listed(path.parent) if path.name in pair), ("", ""))
             k = 1 if shape in meshes[1] else 0
             if told[1 - k] == path.name and shape.shape is not None:
                 what = f"its {shape.kind} mesh is {shown_path(path.name)}, that of its twin {shown(names[1 - k])}"

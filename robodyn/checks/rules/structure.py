@@ -312,13 +312,14 @@ _ORDER = (
     ("finger", "thumb", "toe"),
 )
 """Words of parts from the body outwards."""
+_MOST_BESIDE = 16
 
 
 def _passed_over(context: Context) -> Faults:
     """Links whose parent names say to be a sibling of theirs that carries nothing; two ends in a row of numbers are
     fingers, rotors or wheels."""
     for group in context.tree.groups:
-        if group.joint is None or group.parent is None:
+        if group.joint is None or group.parent is None or len(group.parent.children) > _MOST_BESIDE:
             continue
         link, over = group.joint.child, group.parent.joint.child if group.parent.joint else ""
         for other in group.parent.children:
