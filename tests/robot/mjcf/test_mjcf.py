@@ -23,8 +23,9 @@ TESTDATA = mujoco.__file__.rpartition("/")[0] + "/testdata"
 
 
 @pytest.fixture(autouse=True)
-def here(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Compile in this process: `test_compiler` starts others."""
+def here(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Compile in this process, which leaves a log: `test_compiler` starts others."""
+    monkeypatch.chdir(tmp_path)
 
     def compiled(data: bytes, file: str):
         return compiler._extracted("" if file.startswith("<") else file, data.decode(), ".")
@@ -191,7 +192,8 @@ FEATURES = {
     ),
     "air": mjcf(
         f"""<body euler='10 20 30'><joint type='slide' axis='1 2 3'/><inertial pos='.1 0 .2' mass='2' diaginertia='.3 .4
-        .5'/><body euler='0 0 90'><joint type='slide'/><inertial pos='.1 0 .2' mass='3' diaginertia='.3 .4 .2'/>{ARM}
+        .5'/><body euler='0 0 90'><joint type='slide' axis='1 1 1'/><inertial pos='.1 0 .2' euler='0 90 0' mass='3'
+        diaginertia='.3 .4 .2'/>{ARM}
         </body></body>""",
         "<option density='1.2' wind='3 2 1'/>",
     ),
@@ -259,6 +261,20 @@ def described(body: str, more: str = ""):
     return robodyn.load(mjcf(body, more)).description
 
 
+def test_drag_that_cannot_be_said_is_not() -> None:
+    """Of a body whose inertia is along other axes than the link's."""
+    text = FEATURES["air"].replace(b"euler='0 90 0'", b"euler='0 80 0'")
+    assert [each.link for each in robodyn.scene_of(robodyn.load(text)).immersed] == ["body1"]
+
+
+def test_what_flags_disable() -> None:
+    text = FEATURES["no gravity, no springs"].replace(b"axis='0 1 0'", b"axis='0 1 0' range='0 90'")
+    joint = robodyn.load(text).description.joints[0]
+    assert (joint.friction, joint.damping, joint.type) == (0.0, 0.0, "revolute")
+    text = text.replace(b"<flag", b"<flag constraint='disable'")
+    assert robodyn.load(text).description.joints[0].type == "continuous"
+
+
 def test_limits_and_efforts() -> None:
     joints = {
         joint.name: joint
@@ -292,13 +308,28 @@ def test_mimic_rules_are_where_the_references_are() -> None:
     assert any(words in note for note in robodyn.load(text.encode()).notes)
 
 
+def test_mimic_rules_that_contradict() -> None:
+    text = FEATURES["mimic"].decode()
+    rules = "<joint joint1='b' joint2='c'/><joint joint1='a' joint2='c'/></equality>"
+    (note,) = robodyn.load(text.replace("</equality>", rules).encode()).notes
+    assert "joint 'b', which is a second one; the constraint of joint 'a', which closes a circle" in note
+
+
+def test_a_loop_to_the_ground() -> None:
+    text = FEATURES["free"].replace(b"</worldbody>", b"</worldbody><equality><weld body1='b'/></equality>")
+    (loop,) = robodyn.scene_of(robodyn.load(text)).loops
+    assert (loop.link, loop.to, loop.to_point) == ("b", "ground", (0.0, 0.0, 0.0))
+    assert loop.point == pytest.approx((0.5, 0.0, -np.sqrt(0.75)))
+
+
 LOOPS = mjcf(
     f"""<body name='a' pos='0 0 .1'><joint axis='0 1 0' pos='.05 0 0'/>{ARM}<site name='s' pos='.1 .2 .3' euler='10 0
     0'/><body name='b' pos='.3 0 0'><joint axis='0 0 1' pos='.02 0 0'/>{ARM}</body></body><body name='c' pos='0 1 0'>
     <joint type='ball' pos='0 0 .03'/>{ARM}<site name='t' pos='.3 .2 .1' euler='0 20 0'/></body>""",
     """<equality><connect name='p' body1='b' body2='c' anchor='.3 .1 0'/><connect body1='b' anchor='.1 0 0'/>
     <weld name='w' body1='a' body2='c' anchor='.1 .2 .3' relpose='.1 0 0 .9 .1 .2 .3'/><weld body1='b' anchor='0 0 1'/>
-    <weld site1='s' site2='t'/><connect site1='t' site2='s'/></equality>""",
+    <weld site1='s' site2='t'/><weld name='n' body1='a' body2='c' torquescale='0'/>
+    <connect site1='t' site2='s'/></equality>""",
 )
 
 
@@ -310,6 +341,7 @@ def test_loops_are_as_far_from_closed() -> None:
         ("w", "weld", "c", "a"),
         ("weld b world", "weld", "b", "world"),
         ("weld c a", "weld", "c", "a"),
+        ("n", "point", "c", "a"),
         ("connect a c", "point", "a", "c"),
     ]
     pair.theirs.opt.disableflags = 0
@@ -325,6 +357,8 @@ def test_loops_are_as_far_from_closed() -> None:
             theirs = pair.data.efc_pos[row : row + 3]
             assert np.linalg.norm(apart) == pytest.approx(np.linalg.norm(theirs), abs=1e-12)
             row += 3
+            if loop.name == "n":
+                row += 3
             if loop.kind == "weld":
                 turn = (R_to @ rotation_from_rpy(*loop.rpy)).T @ R
                 sine = np.sqrt(max(3.0 - np.trace(turn), 0.0)) / 2.0  # of half of the angle
