@@ -1,5 +1,4 @@
-"""`accuracy`: what each method costs and how wrong it is, as text and as a picture; `doctor`: whether robodyn can
-work here."""
+"""`accuracy`: what each method costs and how wrong it is, in words and pictures; `doctor`: what works here."""
 
 from __future__ import annotations
 
@@ -22,13 +21,10 @@ if TYPE_CHECKING:
 _UNITS = {"mesh": (1e3, "ms"), "motion": (1e3, "ms"), "sample": (1e9, "ns")}
 _WHERE = {"end": "error at the end", "way": "along the way", "middle": "error in the middle", "whole": "anywhere"}
 _MARKERS = "osD^v<>Ph*Xd"
-_NO_ERROR = 1e-16
-"""The least error of a ladder without any, for the scale."""
 
 
 def accuracy_sections(accuracy: Accuracy, target: float | None = None) -> Iterator[doc.Section]:
-    """Yield errors, times and operations of every method, the front of those worth their time, and prices beside it;
-    the quickest method within the target."""
+    """Yield errors, times, operations and verdict of every method, the quickest within the target, prices beside it."""
     for ladder in accuracy.ladders:
         scale, unit = _UNITS[ladder.per]
         per = f" per {ladder.per}" if ladder.per == "sample" else ""
@@ -103,14 +99,11 @@ def accuracy_page(accuracy: Accuracy, target: float | None = None, pictures: boo
 def _front(ladder: Ladder) -> str:
     first, last = ladder.front[0], ladder.front[-1]
     if first is last:
-        return (
-            f"{ladder.title}: {first.name} is quickest and most accurate, with an error of {error_text(first.error)}."
-        )
+        best = f"{first.name} is quickest and most accurate"
+        return f"{ladder.title}: {best}, with an error of {error_text(first.error)}."
     least, most, times = error_text(last.error), error_text(first.error), last.time.median / first.time.median
-    return (
-        f"{ladder.title}: from {first.name}, with an error of {most}, to {last.name}, with {least} in {times:.3g} "
-        "times the time."
-    )
+    way = f"from {first.name}, with an error of {most}, to {last.name}, with {least}"
+    return f"{ladder.title}: {way} in {times:.3g} times the time."
 
 
 def doctor_sections(lines: tuple[Line, ...]) -> Iterator[doc.Section]:
@@ -186,17 +179,15 @@ def ladder_figure(ladder: Ladder, target: float | None, words: str, name: str) -
 
 
 def draw_ladder(panel: Any, ladder: Ladder, target: float | None = None) -> None:
-    """Draw error against time, both on logarithmic axes: every method as a point, those worth their time on a line.
-
-    Bars are quartiles of the time, a dashed line is the target; an error of 0 is drawn two decades below every other.
-    """
+    """Draw error against time on logarithmic axes: methods as points with quartiles of their time, those worth it on a
+    line, the target dashed; an error of 0 two decades below every other."""
     from matplotlib.ticker import LogLocator, NullLocator
 
     scale, unit = _UNITS[ladder.per]
     unit += " per sample" if ladder.per == "sample" else ""
     errors = [rung.error for rung in ladder.rungs]
     others = [error for error in (*errors, target) if error]
-    zero = None if all(errors) else 10.0 ** (floor(log10(min(others, default=_NO_ERROR))) - 2)
+    zero = None if all(errors) else 10.0 ** (floor(log10(min(others, default=1e-16))) - 2)
     families: dict[str, list[Rung]] = {}
     for rung in ladder.rungs:  # one method with several settings, behind a comma, has one colour
         families.setdefault(rung.name.partition(",")[0], []).append(rung)

@@ -22,7 +22,6 @@ MOST = 16
 
 
 def _shortened(title: str, head: Sequence[str], rows: Sequence[Sequence[str]], what: str) -> list[Block]:
-    """Return a table of at most `MOST` rows, and how many more there are."""
     more = f"... and {len(rows) - MOST} more {what}; --format json has them all"
     return [Table(title, head, rows[:MOST]), *paragraphs([more] if len(rows) > MOST else [])]
 
@@ -136,8 +135,6 @@ WORDS = {
     "directions": "x level with y along n",
     "mimic": "q_i - k q_j - q_0 = 0",
 }
-FEW = 5
-"""Joints whose forces on a body are written out."""
 
 
 def dae_sections(found: Dae) -> Iterator[Section]:
@@ -188,10 +185,10 @@ def _bodies(found: Dae) -> Section:
     rows = []
     for i, (body, inertia) in enumerate(zip(model.bodies, system.inertias, strict=True)):
         forces, moments, every = [], [], acting(found, i)
-        for sign, name, moment in every[:FEW]:
+        for sign, name, moment in every[:5]:
             forces.append(f"{sign}F{name}")
             moments += [f"{sign}M{name}"] * moment + [f"{sign}{'s' if sign else 'r'}{name} x F{name}"]
-        others = [f"... ({len(every) - FEW} more)"] * (len(every) > FEW) + ["E"] * (i in pushed)
+        others = [f"... ({len(every) - 5} more)"] * (len(every) > 5) + ["E"] * (i in pushed)
         weight = [f"m{i} g"] if inertia.m and any(system.scene.gravity) else []
         laws = (weight + forces + others, moments + others)
         newton, euler = (" + ".join(terms).replace("+ -", "- ") or "0" for terms in laws)
@@ -297,7 +294,6 @@ def dae_json(found: Dae) -> str:
 
 
 def _rows_json(found: Dae, equation: Equation) -> list[dict[str, Any]]:
-    """Return entries of a row of G or S by number of the body: three for w, three for v."""
     entries: dict[int, Any] = {}
     for body, row in equation.row(found.system.at):
         if body >= 0:

@@ -26,8 +26,6 @@ LARGEST = 400_000
 
 @dataclass(frozen=True)
 class Heading:
-    """The beginning of a section."""
-
     text: str
 
 
@@ -87,8 +85,6 @@ class Findings:
 
 @dataclass(frozen=True)
 class Download:
-    """A file that the page carries."""
-
     name: str
     kind: str
     text: str
@@ -256,7 +252,6 @@ def select(source: Any, keys: str, **given: Any) -> dict[str, Any]:
 
 @cache
 def _parsed(keys: str) -> list[tuple[str, Any]]:
-    """Return words, each with what stands in its brackets, None without."""
     open_lists: list[list[tuple[str, Any]]] = [[]]
     for word in re.findall(r"[^\s\[\]]+|[\[\]]", keys):
         if word == "[":

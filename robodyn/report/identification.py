@@ -15,8 +15,6 @@ from robodyn.report.limits import use
 from robodyn.support.floats import HALF_UP
 from robodyn.support.wording import count, figure, listed
 
-_DECIMALS = 8
-"""From so many on, numbers are written with an exponent."""
 _PICTURED = 12
 
 
@@ -45,7 +43,7 @@ def identified_sections(found: Identified) -> Iterator[doc.Section]:
         digits = 1 - floor(log10(error)) if error > 0.0 else 0
         cells = [group]
         for each in (value, error, after):
-            text = f"{each * HALF_UP:.{max(digits, 0)}f}" if digits < _DECIMALS else f"{each * HALF_UP:.2g}"
+            text = f"{each * HALF_UP:.{max(digits, 0)}f}" if digits < 8 else f"{each * HALF_UP:.2g}"
             text = text if text.strip("-0.") else text.lstrip("-")
             cells.append(text if error > 0.0 else figure(each, 4))
         known.append(cells)
@@ -75,7 +73,7 @@ def verdict(found: Identified) -> str:
 
 def _identified_head(found: Identified) -> list[str]:
     base = found.base.base
-    lines = [
+    return [
         verdict(found),
         f"fitted within {_percent(found.train.relative_error)}; least squares without physical bounds reach "
         f"{_percent(found.bound_train.relative_error)}"
@@ -83,9 +81,8 @@ def _identified_head(found: Identified) -> list[str]:
         f"{count(found.samples, 'sample')} in {found.duration:.6g} s; computed and measured torques through a "
         f"zero-phase filter of {found.cutoff:g} Hz, in which errors are told; {found.rows} rows left",
         f"{base.rank} base parameters, condition {figure(base.condition)}; strength of the prior {found.strength:g}",
+        "every body can exist" if found.consistent else "a body cannot exist as found",
     ]
-    lines.append("every body can exist" if found.consistent else "a body cannot exist as found")
-    return lines
 
 
 def _percent(part: float) -> str:

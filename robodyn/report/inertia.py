@@ -131,7 +131,6 @@ def _tessellation(part: Part, reach: float) -> Sequence[str]:
 
 
 def _short(value: float, scale: float) -> str:
-    """Return one digit; 0 for what vanishes beside `scale`."""
     return "0" if is_noise(abs(value), scale) else f"{value:.0e}"
 
 

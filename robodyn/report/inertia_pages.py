@@ -34,8 +34,6 @@ if TYPE_CHECKING:
 
 
 COM = View()
-_FAR = 0.1
-"""Relative difference of a link from its shapes that is counted."""
 
 
 def inertia_json(outcomes: Sequence[Part | MeshError], view: View) -> str:
@@ -112,12 +110,9 @@ def body_data(body: MassProperties, view: View = COM) -> dict[str, Any]:
 
 
 def part_data(part: Part, view: View = COM) -> dict[str, Any]:
-    """Return what there is to say of one mesh: planes, axes (the fold of one of revolution is null) and products
-    [kg m^2] of its symmetry; numbers of the mesh beside those of the smooth body.
-
-    Bars are relative, of the centre in metres; null where nothing can be said. `bar_corners_on_surface` is that of the
-    corrected numbers if the corners lie on the smooth surface, `bar_corrected` wherever they lie.
-    """
+    """Return what there is to say of one mesh: planes, axes (the fold of one of revolution is null) and products [kg
+    m^2] of its symmetry; numbers beside those of the smooth body with bars, relative, of the centre in metres, null
+    where nothing can be said (`bar_corners_on_surface`: of the corrected ones if the corners lie on it)."""
     symmetry: dict[str, Any] | None = None
     if part.symmetry is not None:
         density, keys = part.body.density or 0.0, "axes computed relative zero_by_symmetry:zero"
@@ -153,8 +148,7 @@ def _pose(pose: Sequence[Any]) -> dict[str, Any]:
 
 
 def parts_page(outcomes: Sequence[Part | MeshError], view: View, shapes: Sequence[Array | None]) -> doc.Document:
-    """Return what each mesh encloses, how far the numbers hold, and why meshes failed; with pictures of those that have
-    triangles (m, 3, 3) [m]."""
+    """Return what each mesh encloses, how far that holds, and why meshes failed; drawn from triangles (m, 3, 3) [m]."""
     parts = [each for each in outcomes if isinstance(each, Part)]
     failures = [f"{each}." for each in outcomes if isinstance(each, MeshError)]
     failed = f"{len(failures)} of {len(outcomes)} meshes failed"
@@ -232,9 +226,9 @@ def link_shapes_page(found: LinkShapes, description: Description, view: View, pi
 def differences_page(found: Comparison) -> doc.Document:
     """Return declared inertias against those of shapes."""
     differences = [link.difference.inertia for link in found.links if link.difference is not None]
-    far, rest = sum(difference > _FAR for difference in differences), len(found.links) - len(differences)
+    far, rest = sum(difference > 0.1 for difference in differences), len(found.links) - len(differences)
     level: doc.Level = "doubtful" if far else "good" if differences else "neutral"
-    headline = f"{far} of {len(differences)} links differ from their shapes by more than {100 * _FAR:.0f} %"
+    headline = f"{far} of {len(differences)} links differ from their shapes by more than 10 %"
     verdict = doc.Verdict(level, headline, (f"{rest} more links cannot be compared.",) if rest else ())
     what = "Declared inertias against shapes"
     return _page(found.name, what, [verdict], comparison_sections(found), comparison_json(found), "comparison.json")
@@ -260,7 +254,6 @@ def _solid(name: str, body: MassProperties, triangles: Array | None, key: str) -
 
 
 def _link(description: Description, found: LinkInertia | LinkShapes, pictures: bool) -> list[doc.Block]:
-    """Return the picture of the visual shapes of a link, where there are some."""
     if not pictures or not found.body.mass:
         return []
     from robodyn.report.pictures.robot import shapes_of

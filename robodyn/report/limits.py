@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
 LINES = 15
 """So many limits are named at the top of a page."""
-_NAMES = 4
-"""So many joints are named of those that have no limit."""
 
 
 def verdict_on_limits(
@@ -30,8 +28,7 @@ def verdict_on_limits(
     caveats: Sequence[Caveat] = (),
     nearest: Sequence[str] = (),
 ) -> Verdict:
-    """Return the verdict on so many joints, green only where every limit was checked and nothing is in doubt,
-    with remarks on limits that are nearly reached."""
+    """Return the verdict on so many joints, green only where every limit was checked and nothing is in doubt."""
     doubtful = tuple(caveat.text for caveat in caveats)
     over = len({excess.joint for excess in exceeded})
     if over:
@@ -60,7 +57,7 @@ def unchecked_words(limits: Sequence[Coverage]) -> tuple[str, ...]:
             huge = {one.joint: one.given for one in each.unchecked if one.given is not None and one.given > 0.0}
             least = f"{min(huge.values(), default=0.0):g}{' or more' if len(set(huge.values())) > 1 else ''}"
             words = {"": silent, "0, which means none, for ": zero, f"{least}, which limits nothing, for ": list(huge)}
-            who = "; ".join(f"{why}{first_names(names, _NAMES)}" for why, names in words.items() if names)
+            who = "; ".join(f"{why}{first_names(names, most=4)}" for why, names in words.items() if names)
             count = f"{len(each.unchecked)} of {len(each.unchecked) + len(each.checked)} joints"
             lines.append(f"{count} have no {each.quantity} limit: not checked ({who}).")
     return tuple(lines)
@@ -153,8 +150,7 @@ def use(value: float, limit: float | None) -> str:
 
 
 def torques_verdict(result: Result) -> Verdict:
-    """Return the verdict: bad if a limit of robot, motor or gear is exceeded or an accuracy that was asked for is not
-    met; doubtful, neutral or good as `verdict_on_limits` has it."""
+    """Return the verdict: bad if a limit of robot, motor or gear is exceeded or the accuracy asked for is missed."""
     over, sizing, unsure = _exceeded_things(result), result.sizing, result.uncertainty
     doubtful, nearest = tuple(caveat.text for caveat in result.caveats), tuple(nearest_limits(result.joints))
     kept = verdict_on_limits(len(result.joints), (), result.limits, result.caveats, nearest)
@@ -211,8 +207,8 @@ def exceeded_section(result: Result | Simulation) -> Section:
 
 
 def _exceeded_things(result: Result) -> list[tuple[str, str]]:
-    """Return joint and sentence of everything that is exceeded, what the description limits and sizing repeats once;
-    what wears out comes after what breaks, then by how many times the limit it is."""
+    """Return joint and sentence of all that is exceeded, each once: first what breaks, by how many times the limit it
+    is."""
     found: list[tuple[bool, float, str, str]] = []
     for excess in result.exceeded:
         beyond, position = abs(excess.value - excess.limit), excess.quantity == "position"

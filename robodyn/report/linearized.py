@@ -16,13 +16,8 @@ from robodyn.report.table import number
 from robodyn.support.floats import first_largest
 from robodyn.support.wording import count
 
-_MOVES = 0.05
-"""Of the largest move in a mode: less is not named."""
-_NAMED = 4
 _SAME = 0.1
 """Of half a turn: how far a phase may be from in step or against."""
-_PRINTED = 16
-"""States of matrices that are printed."""
 _PICTURED = 12
 """Modes that have pictures, the slowest."""
 
@@ -64,7 +59,7 @@ def linearized_sections(found: Linearized) -> Iterator[doc.Section]:
     note = f"Eigenvalues are within {above} /s. What moves: rad or m of each joint per 1 of the first."
     head = ("mode", "frequency [Hz]", "damping ratio", "time constant [s]", "eigenvalue [1/s]", "what moves")
     yield [doc.Table("Modes, the slowest first", head, rows, note)]
-    if len(found.states) > _PRINTED:
+    if len(found.states) > 16:
         yield doc.paragraphs(["A and B are in --out FILE.npz and --format json."])
     elif found.states:
         law = "x' = A x + B u" if found.step is None else f"x(t + {found.step:.6g} s) = A x(t) + B u"
@@ -144,8 +139,8 @@ def _kind(mode: Mode) -> str:
 def moves(names: Sequence[str], mode: Mode) -> str:
     """Return which joints move how much, in step or against each other, those with most kinetic energy first."""
     order = sorted(range(len(names)), key=lambda k: (mode.shape[k] != 1.0, -round(mode.shares[k], 6), k))
-    least = _MOVES * max(map(abs, mode.shape))
-    shown = [k for k in order if k == order[0] or (abs(mode.shape[k]) >= least and mode.shares[k] > 0)][:_NAMED]
+    least = 0.05 * max(map(abs, mode.shape))
+    shown = [k for k in order if k == order[0] or (abs(mode.shape[k]) >= least and mode.shares[k] > 0)][:4]
     words: list[str] = []
     for k in shown:
         angle = phase(mode.shape[k]) if words else 0.0

@@ -15,13 +15,7 @@ from robodyn.report.table import is_noise, number, printable
 from robodyn.support.floats import einsum
 from robodyn.support.wording import count
 
-_TOLD = 0.01
-"""Of a joint's residual: a share that is named."""
-_DIGITS = 4
-_LEAST = 0.02
-"""Of the residual of a joint: an effect that explains less has no line."""
 _GOOD = 0.05
-_MUCH = 0.5
 _ROUNDED = 1e-9
 
 
@@ -39,7 +33,7 @@ def fault_words(found: Comparison, fault: Fault) -> str:
     if j is None:
         order = sorted(range(len(found.joints)), key=lambda j: -fault.shares[j])
         shares = ((printable(found.joints[j].name), fault.shares[j]) for j in order)
-        told = ", ".join(f"{percent(share)} at {name}" for name, share in shares if share >= _TOLD)
+        told = ", ".join(f"{percent(share)} at {name}" for name, share in shares if share >= 0.01)
         of = f"of residuals: {told}" if told else "less than 1 % of any residual"
         return f"{_payload(found, fault, value, error)} {sure} {of}{doubt}"
     joint = found.joints[j]
@@ -64,7 +58,7 @@ def bar(value: float, error: float, scale: float = 1.0) -> str:
         value = 0.0
     if max(abs(value), error) < 1e-3:
         return f"{value:.2g} +- {error:.1e}"
-    digits = min(max(0, 1 - int(np.floor(np.log10(max(error, 1e-9))))), _DIGITS)
+    digits = min(max(0, 1 - int(np.floor(np.log10(max(error, 1e-9))))), 4)
     return f"{value:.{digits}f} +- " + (f"{error:.{digits}f}" if error >= 10.0**-digits else f"{error:.0e}")
 
 
@@ -89,7 +83,7 @@ def measured_sections(found: Comparison) -> Iterator[doc.Section]:
     yield doc.paragraphs(
         [f"{found.robot}: {what}, {found.duration:.6g} s, {over}", f"{verdict.headline}.", *verdict.reasons]
     )
-    told = [fault for fault in found.faults if fault.shares.max() >= _LEAST]
+    told = [fault for fault in found.faults if fault.shares.max() >= 0.02]
     lines = [*_gross(found), *(fault_words(found, fault) for fault in told)]
     few = count(len(found.faults) - len(told), "effect")
     rest = [f"{few} that explain less than 2 % left out"] if len(told) < len(found.faults) else []
@@ -98,7 +92,7 @@ def measured_sections(found: Comparison) -> Iterator[doc.Section]:
     dark = [
         f"{printable(joint.name)} ({100 * (joint.left / joint.residual) ** 2:.0f} %)"
         for joint in found.joints
-        if joint.left > np.sqrt(_MUCH) * joint.residual and joint.relative_error > _GOOD
+        if joint.left > np.sqrt(0.5) * joint.residual and joint.relative_error > _GOOD
     ]
     if dark and found.faults:
         rest.append(f"None of these explains most of the residual of {', '.join(dark)}: noise, or inertias of links.")

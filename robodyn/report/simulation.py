@@ -21,9 +21,6 @@ _NAMED = 8
 """Equations of loops that are named; of more, the number."""
 PLOTTED = 12
 """Joints that have plots; those that move most where there are more."""
-_WORST_FIRST: tuple[doc.Level, ...] = ("bad", "doubtful", "neutral", "good")
-_DRIFT = 1e-3
-"""Relative to the largest kinetic energy; above it steps are too long."""
 
 
 def simulation_sections(result: Simulation, explain: bool = False) -> Iterator[doc.Section]:
@@ -131,10 +128,12 @@ def simulation_page(result: Simulation, pictures: bool = True) -> doc.Document:
     verdict = doc.Verdict("good", f"The motion ran for its {end}, and its energy balances", (energy,))
     if result.ended:
         verdict = doc.Verdict("bad", f"The motion ended early, at {end}", (result.ended, energy))
-    elif relative > _DRIFT:
+    elif relative > 1e-3:
         verdict = doc.Verdict("doubtful", "The energy drifts: take shorter steps or a smaller tolerance", (energy,))
     verdicts = [verdict, *([limits_verdict(result)] if result.joints or result.caveats else [])]
-    blocks: list[doc.Block] = [*sorted(verdicts, key=lambda verdict: _WORST_FIRST.index(verdict.level))]
+    blocks: list[doc.Block] = [
+        *sorted(verdicts, key=lambda verdict: ("bad", "doubtful", "neutral", "good").index(verdict.level))
+    ]
     if pictures:
         blocks += _pictures(result)
     table = doc.csv_text(("time", *result.names), np.column_stack((result.time, result.columns)).tolist())

@@ -1,8 +1,6 @@
-"""The largest of each kind that a case has, by unit: what is smaller by `NOISE` beside it is shown as 0.
-
-A moment is told beside the largest moment, and beside the largest force at the robot's reach: rounding of a force makes
-that of its moment. A power is told beside the largest torque at the largest speed.
-"""
+"""The largest of each kind that a case has, by unit: what is smaller by `NOISE` beside it is shown as 0. A moment is
+told also beside the largest force at the robot's reach, whose rounding makes its own; a power beside torque times
+speed."""
 
 from __future__ import annotations
 
@@ -89,11 +87,8 @@ class MotionSizes(NamedTuple):
 
 
 def simulation_sizes(result: Simulation) -> MotionSizes:
-    """Return those along a simulated motion.
-
-    An angle is told beside 1 rad, a length beside the reach; an acceleration also beside the squared speed and
-    gravity; a load also beside the robot's weight.
-    """
+    """Return those along a simulated motion: an angle beside 1 rad, a length beside the reach, an acceleration also
+    beside the squared speed and gravity, a load beside the robot's weight."""
     model, figures, reach = result.model, result.figures, result.model.reach
     lengths, sliding = linear(model)
     gravity = length(np.array(result.scene.gravity))

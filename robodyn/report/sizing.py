@@ -1,5 +1,4 @@
-"""What motors, gears, bearings, the foundation, loops and contacts bear along a motion, and how sure that is: error
-bars, which parameters make them, and probabilities of verdicts."""
+"""What motors, gears, bearings, foundation, loops and contacts bear along a motion, and how sure that is."""
 
 from __future__ import annotations
 
@@ -23,10 +22,6 @@ _WORDS = {
     "velocity": ("the joint's speed", "the description allows"),
 }
 """Of a quantity what it is, and what limits it."""
-_WORST = ("over peak", "over continuous", "OK", "no limits")
-_UNKNOWN = "no limits are known"
-_FINE = 1e3
-"""mm beside which the places of centres of pressure are noise or not."""
 _FEW, _NAMED = 3, 8
 """Joints that are named instead of counted, and that are named at most."""
 _MISSING = {"slip": "would slip", "pull": "had to pull", "tip": "would tip over", "fly": "stands on nothing"}
@@ -34,7 +29,6 @@ _SHOWN = 3
 """Parameters that are named of each load, with more than `_LEAST` of its variance."""
 _LEAST = 0.01
 _OF_LINKS = {"mass": "mass", "com": "centre of mass", "inertia": "inertia", "friction": "friction"}
-_RESULTANTS = ("radial", "tilting")
 
 
 def sizing_sections(result: Result) -> Iterator[Section]:
@@ -77,10 +71,12 @@ def sizing_sections(result: Result) -> Iterator[Section]:
 
 
 def verdicts(loads: Sequence[JointLoad], sizing: Sizing) -> Facts:
-    """Return of each joint in plain words everything that it exceeds, or how near it comes to its limits, the worst
-    first."""
+    """Return of each joint in plain words what it exceeds, or how near it comes to its limits, the worst first."""
     items = []
-    for load, joint in sorted(zip(loads, sizing.joints, strict=True), key=lambda pair: _WORST.index(pair[1].level)):
+    for load, joint in sorted(
+        zip(loads, sizing.joints, strict=True),
+        key=lambda pair: ("over peak", "over continuous", "OK", "no limits").index(pair[1].level),
+    ):
         if not joint.exceeded:
             uses: list[tuple[float, float | None, str]] = []
             if (motor := joint.motor) is not None:
@@ -93,7 +89,9 @@ def verdicts(loads: Sequence[JointLoad], sizing: Sizing) -> Facts:
             shares = [(100.0 * x / limit if limit > 0 else 0.0, what) for x, limit, what in uses if limit is not None]
             used = (f"{'<1' if 0.0 < share < 0.5 else f'{share:.0f}'} % of {what}" for share, what in shares)
             nearness = ", ".join(used)
-            items.append((joint.name, f"OK: {nearness}" if nearness else "OK" if joint.level == "OK" else _UNKNOWN))
+            items.append(
+                (joint.name, f"OK: {nearness}" if nearness else "OK" if joint.level == "OK" else "no limits are known")
+            )
         for k, exceeded in enumerate(joint.exceeded):
             items.append(("" if k else joint.name, f"{exceeded.level.upper()}: {in_words(exceeded)}"))
     return Facts(tuple(items))
@@ -173,7 +171,7 @@ def constraint_tables(result: Result) -> Iterator[Table]:
             row += [f"{size.number(each.least_normal.value, 'N')} to {size.number(each.normal.value, 'N')}"]
             row += [f"{each.friction:g}", *([f"{100 * used.value:.0f}%", f"{used.time:.4g}"] if used else ["", ""])]
             row += [f"{1e3 * margin.value:.3g}", f"{margin.time:.4g}"] if margin else ["", ""]
-            rows.append([*row, point_text((1e3 * x for x in each.centre), _FINE) if each.centre else ""])
+            rows.append([*row, point_text((1e3 * x for x in each.centre), 1e3) if each.centre else ""])
         head = ["contact", "on", "force [N]", "at [s]", "along normal [N]", "friction", "of it used", "at [s]"]
         head += ["margin [mm]", "at [s]", "centre of pressure [mm]"]
         kept = 11 if any(each.margin for each in found.contacts) else 8
@@ -235,7 +233,7 @@ def uncertainty_sections(result: Result) -> Iterator[Section]:
     size, drawn = result_sizes(result), list[str]()
     motors = [each.motor for each in found.joints if each.motor is not None]
     resultants = [
-        (joint, load) for joint, loads in found.bearings.items() for load in loads if load.name in _RESULTANTS
+        (joint, load) for joint, loads in found.bearings.items() for load in loads if load.name in ("radial", "tilting")
     ]
     joints = f"Joints: error bars of {count(len(found.parameters), 'uncertain parameter')}"
     groups: dict[str, list[tuple[str, UncertainLoad]]] = {

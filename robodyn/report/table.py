@@ -36,12 +36,8 @@ class Page(NamedTuple):
     bold: bool = False
 
     def table(self, content: Content) -> str:
-        """Return rows of text below a header.
-
-        A column in which every cell begins with a number (or is empty or -) is aligned by decimal point, with the unit
-        after it; others begin at the left. Where the columns are wider than the page, the rest of them follow in tables
-        below, each with the first column.
-        """
+        """Return rows below a header: columns of numbers (or empty cells and -) are aligned by decimal point with units
+        behind; columns beyond the page's width follow in tables below, each with the first column."""
         head, rows = content
         columns = [_column([title, *(row[k] for row in rows)]) for k, title in enumerate(head)]
         pages: list[list[list[str]]] = [[columns[0]]]
@@ -131,7 +127,6 @@ def numeric_columns(head: Sequence[str], rows: Sequence[Sequence[str]]) -> list[
 
 
 def _column(cells: Sequence[str]) -> list[str]:
-    """Return a title and its cells, all of one width."""
     title, *cells = [printable(cell) for cell in cells]
     if not is_numeric(cells):
         return _left([title, *cells])
@@ -152,7 +147,6 @@ def _left(cells: Sequence[str]) -> list[str]:
 
 
 def _width(text: str) -> int:
-    """Return columns of a terminal that a text takes."""
     if text.isascii():
         return len(text)
     return sum(0 if combining(char) else 2 if east_asian_width(char) in "WF" else 1 for char in text)

@@ -35,14 +35,9 @@ from robodyn.trajectory.motion import NOISE, Derivation, JointDerivation
 if TYPE_CHECKING:
     from robodyn.loads.many import Batch, Outcome, Status, Worst
 
-_NAMED = 6
 KINDS: tuple[Status, ...] = ("computed", "finished before", "failed")
 _TAKES = ("coulomb friction", "viscous friction", "load friction", "fluid")
 """Effects that take energy, which the work in the balance is without."""
-_LISTED = 3
-"""Exceeded limits that a line names."""
-_KNOWN = 1e-6
-"""Of a peak: an error bar that is smaller is left out."""
 _UNITS = {"com": "m", "p": "kg m/s", "L": "kg m^2/s", "T": "J", "V": "J", "power": "W"}
 
 
@@ -115,7 +110,7 @@ def _input_words(result: Result) -> Iterator[str]:
         for name, value in result.held.items():
             floating = "m" if name[-2:] in ("_x", "_y", "_z") else ""
             places.setdefault(f"{value:.6g} {units.get(name, floating)}".strip(), []).append(printable(name))
-        held = [f"at {place} {first_names(names, _NAMED)}" for place, names in places.items()]
+        held = [f"at {place} {first_names(names, most=6)}" for place, names in places.items()]
         yield f"Held still, for want of columns: {'; '.join(held)}."
 
 
@@ -125,7 +120,7 @@ def outcome_line(outcome: Outcome) -> str:
     if outcome.status == "failed":
         return f"{name}: failed"
     before = "finished before, " if outcome.status == "finished before" else ""
-    limits = f", LIMITS EXCEEDED: {first_names(outcome.exceeded, _LISTED)}" if outcome.exceeded else ""
+    limits = f", LIMITS EXCEEDED: {first_names(outcome.exceeded, most=3)}" if outcome.exceeded else ""
     samples = f"{count(outcome.samples, 'sample')}, {outcome.duration:.6g} s"
     return f"{name}: {before}{samples}{limits} -> {printable(outcome.table)}"
 
@@ -136,7 +131,25 @@ def batch_sections(batch: Batch) -> Iterator[Section]:
     done = [outcome for outcome in batch.outcomes if outcome.status != "failed"]
     yield [Paragraph(f"{batch.robot}: {count(len(batch.outcomes), 'file')}, {', '.join(found)}")]
     if batch.worst:
-        yield [Table("The worst of each joint", *worst_table(batch.worst))]
+        size = Sizes()
+        for joint in batch.worst:
+            for unit, value in ((joint.unit, joint.peak), (speed_unit(joint.unit), joint.max_speed)):
+                size[unit] = max(size.get(unit, 0.0), abs(value))
+        columns: Columns[Worst] = [
+            ("joint", lambda joint: joint.name),
+            ("peak", lambda joint: size.amount(joint.peak, joint.unit)),
+            ("at [s]", lambda joint: size.moment(joint.peak_time, joint.peak, joint.unit)),
+            ("in", lambda joint: joint.peak_in),
+            ("of effort limit", lambda joint: use(joint.peak, joint.effort_limit)),
+            ("RMS", lambda joint: size.number(joint.rms, joint.unit)),
+            ("in", lambda joint: joint.rms_in),
+            ("max speed", lambda joint: size.amount(joint.max_speed, speed_unit(joint.unit))),
+            ("in", lambda joint: joint.max_speed_in),
+            ("of velocity limit", lambda joint: use(joint.max_speed, joint.velocity_limit)),
+        ]
+        if batch.worst[0].level is not None:
+            columns += [("verdict", lambda joint: joint.level or ""), ("in", lambda joint: joint.level_in)]
+        yield [Table("The worst of each joint", *by_columns(columns, batch.worst))]
     if not done:
         return
     limits, over, failed = done[0].limits, sum(bool(outcome.exceeded) for outcome in done), batch.count("failed")
@@ -150,28 +163,6 @@ def batch_sections(batch: Batch) -> Iterator[Section]:
     said = f"LIMITS EXCEEDED in {count(over, 'file')}" if over else verdict.headline
     last = f"{count(failed, 'file')} failed; of the others: {said}" if failed else said + "." * (not over)
     yield paragraphs([*lines, last])
-
-
-def worst_table(worst: tuple[Worst, ...]) -> Content:
-    size = Sizes()
-    for joint in worst:
-        for unit, value in ((joint.unit, joint.peak), (speed_unit(joint.unit), joint.max_speed)):
-            size[unit] = max(size.get(unit, 0.0), abs(value))
-    columns: Columns[Worst] = [
-        ("joint", lambda joint: joint.name),
-        ("peak", lambda joint: size.amount(joint.peak, joint.unit)),
-        ("at [s]", lambda joint: size.moment(joint.peak_time, joint.peak, joint.unit)),
-        ("in", lambda joint: joint.peak_in),
-        ("of effort limit", lambda joint: use(joint.peak, joint.effort_limit)),
-        ("RMS", lambda joint: size.number(joint.rms, joint.unit)),
-        ("in", lambda joint: joint.rms_in),
-        ("max speed", lambda joint: size.amount(joint.max_speed, speed_unit(joint.unit))),
-        ("in", lambda joint: joint.max_speed_in),
-        ("of velocity limit", lambda joint: use(joint.max_speed, joint.velocity_limit)),
-    ]
-    if worst[0].level is not None:
-        columns += [("verdict", lambda joint: joint.level or ""), ("in", lambda joint: joint.level_in)]
-    return by_columns(columns, worst)
 
 
 def load_table(result: Result) -> Content:
@@ -207,11 +198,7 @@ def effect_table(result: Result) -> Table:
 
 
 def share_table(result: Result) -> Content:
-    """Return for every joint what each effect adds to its peak; effects that add nothing are left out.
-
-    Error bars of closed chains are not called 95 %: they are of accelerations alone, and there velocities that were
-    derived count too.
-    """
+    """Return for every joint what each effect adds to its peak, without effects that add nothing."""
     joints, size = result.joints, result_sizes(result)
     names = [effect.name for effect in result.effects]
     present = [name for name in names if not all(is_noise(abs(j.shares.get(name, 0.0)), size[j.unit]) for j in joints)]
@@ -220,7 +207,7 @@ def share_table(result: Result) -> Content:
         shares = (number(joint.shares[name], size[joint.unit]) for name in present)
         rows.append([joint.name, *shares, f"{number(joint.peak, size[joint.unit])} {joint.unit}"])
     loops = result.constraints is not None and result.constraints.loops
-    bars = "error (of accelerations)" if loops else "error (95 %)"
+    bars = "error (of accelerations)" if loops else "error (95 %)"  # derived velocities of loops count, too
     for title, values in (
         (bars, [_bar(joint, size[joint.unit]) for joint in joints]),
         ("friction holds", [f"+- {hold}" if (hold := number(joint.hold)) != "0" else "" for joint in joints]),
@@ -233,12 +220,10 @@ def share_table(result: Result) -> Content:
 
 
 def _bar(joint: JointLoad, scale: float) -> str:
-    """Return the error bar of the largest torque, empty if that is known to a millionth, or its bar is not known.
-
-    Where doubt is more of it than noise, two standard deviations, it is a bound, with the noise beside it.
-    """
+    """Return the error bar of the largest torque, empty if below a millionth or not known; a bound with the noise
+    beside it where doubt is more of it than noise, two standard deviations."""
     bar, noise = joint.error_bar, NOISE * joint.uncertainty
-    if bar is None or bar <= _KNOWN * abs(joint.peak) or is_noise(bar, scale):
+    if bar is None or bar <= 1e-6 * abs(joint.peak) or is_noise(bar, scale):
         return ""
     return f"+- {bar:.2g}" if bar <= 2.0 * noise else f"within {bar:.2g}" + (f", noise {noise:.2g}" if noise else "")
 

@@ -110,8 +110,7 @@ def _rests(joint: JointLoad, size: Sizes) -> bool:
 
 
 def _heaviest_load(result: Result, model: Model, scene: Scene, history: History) -> Iterator[doc.Block]:
-    """Yield the robot at the peak of the joint that is loaded most, and the free body that this joint carries, if the
-    robot can be taken apart there."""
+    """Yield the robot at the peak of the joint that is loaded most, and the free body that it carries, if there is."""
     from robodyn.report.pictures.free_body import NOTES, page_drawing, symbols
     from robodyn.report.pictures.robot import robot_figure, shapes_of
 
@@ -149,20 +148,13 @@ def _heaviest_load(result: Result, model: Model, scene: Scene, history: History)
 
 _PANELS = ((542, 96), (412, 96), (282, 96), (28, 182))
 """Bottoms and heights of torque, speed and power against time, and of torque against speed [px]."""
-_LETTERS = 52
-"""So many of a joint's name have room in a figure."""
-_TOGETHER = 14
-"""So many joints at most share a figure of bars."""
-_SEEN = 1e-3
-"""Effects of less than this share of every peak are not to be seen in a bar."""
 _NEAR = 0.5
 """A limit is drawn where at least this share of it is reached; it would flatten the curve otherwise."""
 _LIMIT: dict[str, Any] = {"color": BAD, "linewidth": 1.2, "dashes": (5, 3)}
 
 
 def joint_figure(joint: JointLoad, curves: Curves, column: int, size: Sizes) -> doc.Figure:
-    """Return torque, speed and power of a joint against time, and torque against speed: outside the dashed lines is
-    beyond a limit."""
+    """Return torque, speed and power of a joint against time, and torque against speed; limits are dashed."""
     load, speed = joint.unit, speed_unit(joint.unit)
     what = "force" if load == "N" else "torque"
     quantities = {
@@ -223,8 +215,7 @@ def base_figures(loads: Sequence[ComponentLoad], history: History, size: Sizes) 
 
 
 def energy_figures(balance: EnergyBalance, history: History, size: Sizes) -> Iterator[doc.Figure]:
-    """Yield work done on the robot, less losses, and the energy that it stores: the same curve if all is right; nothing
-    where both are zero throughout."""
+    """Yield work done on the robot, less losses, and the energy stored, unless both are zero throughout."""
     curves = history.energy
     lines = {name: quiet_line(curves, "energy", k, size["J"]) for k, name in enumerate(curves.names)}
     if any(values.any() for _, values in lines.values()):
@@ -236,11 +227,11 @@ def energy_figures(balance: EnergyBalance, history: History, size: Sizes) -> Ite
 
 
 def share_figures(joints: Sequence[JointLoad]) -> Iterator[doc.Figure]:
-    """Yield for every joint what each effect adds to its peak, in parts of the peak, some joints in each figure: what
-    makes it stacked to the right, what lessens it to the left."""
-    names = [name for joint in joints for name, share in joint.shares.items() if abs(share) >= _SEEN * abs(joint.peak)]
+    """Yield what each effect adds to the peaks, in parts of them: what makes them to the right, what lessens them to
+    the left; no effect of less than 1e-3 of every peak."""
+    names = [name for joint in joints for name, share in joint.shares.items() if abs(share) >= 1e-3 * abs(joint.peak)]
     names = list(dict.fromkeys(names))
-    many = -(-len(joints) // _TOGETHER)
+    many = -(-len(joints) // 14)
     top = 24 * ((len(names) + 2) // 3) + 8
     for k, part in enumerate(np.array_split(np.arange(len(joints)), many) if many else (), start=1):
         some = [joints[j] for j in part]
@@ -257,7 +248,7 @@ def share_figures(joints: Sequence[JointLoad]) -> Iterator[doc.Figure]:
                 right, left = right + share.clip(0.0), left + share.clip(None, 0.0)
             for percent, colour in ((0.0, INK), (100.0, GRID)):
                 axes.vlines(np.full(len(rows), percent), rows - 0.04, rows + 0.46, color=colour, linewidth=1.0)
-            for row, label in enumerate(shortened([printable(joint.name) for joint in joints], _LETTERS)):
+            for row, label in enumerate(shortened([printable(joint.name) for joint in joints], most=52)):
                 axes.text(0.0, row - 0.26, label, transform=axes.get_yaxis_transform(), fontsize=10, color=INK)
             axes.set(yticks=[], ylim=(len(joints) - 0.5, -0.75), xlabel="share of the peak [%]")
             axes.spines["left"].set_visible(False)

@@ -1,5 +1,4 @@
-"""Plots by matplotlib, as SVG elements that take their colours from the page they stand in: panels and axes, joints and
-energies of a simulated motion, measured against computed torques."""
+"""Plots by matplotlib, as SVG elements that take their colours from the page they stand in."""
 
 from __future__ import annotations
 
@@ -39,8 +38,6 @@ _CELLS = 300
 """Points that share one of so many parts of the range, about a pixel, are drawn once."""
 Line = tuple[Floats, Floats]
 """Times and values."""
-_POINTS = 1500
-"""Of a line of a log."""
 
 
 def style(name: str) -> AbstractContextManager[Any]:
@@ -140,8 +137,8 @@ def lines_figure(
 
 
 def dots(axes: Axes, x: Floats, y: Floats, colour: str) -> None:
-    """Draw points, those that fall on the same pixel once, as one short path: a marker each would take ten times as
-    much of the page."""
+    """Draw points, those on the same pixel once, as one short path: markers would take ten times as much of the
+    page."""
     cells = [np.rint(_CELLS * each / (np.ptp(each) if len(each) and np.ptp(each) else 1.0)) for each in (x, y)]
     _, kept = np.unique(np.stack(cells), axis=1, return_index=True)
     across, up = (np.column_stack((each, each, np.full(len(kept), np.nan))).ravel() for each in (x[kept], y[kept]))
@@ -198,7 +195,7 @@ def energy_figures(result: Simulation) -> Iterator[Figure]:
 def torque_figure(found: Comparison, j: int) -> Figure:
     """Return measured and computed torque of a joint over time, and below what is left, before and after effects."""
     joint, curves = found.joints[j], found.curves
-    every = slice(None, None, max(1, len(curves.time) // _POINTS))
+    every = slice(None, None, max(1, len(curves.time) // 1500))
     time, measured = curves.time[every], curves.measured[every, j]
     computed, explained = curves.computed[every, j], curves.explained[every, j]
 

@@ -33,13 +33,9 @@ _OF_PAGE |= {"#d9480f": "c8", OTHER: "soft"}
 """The colours of a page in their place."""
 LONGEST, SHORTEST = 120.0, 42.0
 """Arrows in pixels; the largest force and the largest moment are the longest."""
-_HEAD_ON = 14.0
-"""Shorter arrows point at the reader or away, and are drawn as discs."""
 _BESIDE = 12.0
 """Between arrows that leave the same spot in about the same direction [px]."""
 _ROW = 22
-_LETTERS = 42
-"""So many of what an action is and by whom have room in the table."""
 _HEADS = ((24, "symbol"), (134, "action, by"), (400, "force [N]"), (600, "moment [N m]"))
 _PARTS = {"force": "N", "moment": "N m"}
 NOTES = (
@@ -116,9 +112,8 @@ def drawings(found: FreeBodies, state: str) -> Iterator[tuple[str, str]]:
 
 
 def drawing(body: FreeBody, title: str, size: Sizes) -> str:
-    """Return the SVG of one body: isometric, seen from (1, 1, 1) of the ground's frame, which stands upright; below
-    every action with its components, with as many decimals as show three or four digits of the largest on the body, but
-    without noise beside the size of those on the robot."""
+    """Return the SVG of one body, isometric from (1, 1, 1) of the ground's frame; below every action with its
+    components, as many decimals as show three or four digits of the largest, 0 for noise beside the robot's."""
     width, height = SHEET.width, SHEET.bottom + _ROW * (len(body.actions) + len(NOTES)) + 56
     title, name = (
         text if len(text) <= most else f"{text[: most - 3]}..." for text, most in ((title, 95), (body.name, 48))
@@ -135,7 +130,7 @@ def drawing(body: FreeBody, title: str, size: Sizes) -> str:
         *(svg_text(x, SHEET.bottom + 34, head, 13, "soft") for x, head in _HEADS),
     ]
     scales = [max(float(np.abs(getattr(a, part)).max()) for a in body.actions) for part in _PARTS if body.actions]
-    whats = shortened([f"{action.what}, by {action.by}" for action in body.actions], _LETTERS)
+    whats = shortened([f"{action.what}, by {action.by}" for action in body.actions], 42)
     for row, (action, what) in enumerate(zip(body.actions, whats, strict=True), start=1):
         y = SHEET.bottom + 34 + row * _ROW
         parts.append(svg_text(24, y, symbols(action, size), 12, None, bold=True, fill=COLOURS.get(action.kind, OTHER)))
@@ -273,7 +268,7 @@ def arrows(body: FreeBody, spots: list[Point], size: Sizes) -> list[Arrow]:
             along = product(body.pose.R, getattr(action, name)) / amount
             right, down = on_paper(along)
             long = hypot(right, down) * sqrt(1.5) * max(SHORTEST, LONGEST * amount / max(amounts))
-            flat = long >= _HEAD_ON
+            flat = long >= 14.0
             way = (right / hypot(right, down), down / hypot(right, down)) if flat else (0.0, -1.0)
             aside = 0.0
             for other in found:  # arrows that leave about the same spot in about the same direction

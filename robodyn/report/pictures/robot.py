@@ -29,11 +29,8 @@ PAPER = np.array(((-1, 1, 0), (-1, -1, 2), (1, 1, 1))) / np.sqrt(((2,), (6,), (3
 _SIZE = 460
 _DOTS = 720
 """Of a picture of solids along its longer side."""
-_DENSE = 6.0
-"""Samples of a triangle for each dot that it covers."""
 _LIGHT = np.array((0.25, 0.55, 0.8))
 _TINTS = ((0.62, 0.67, 0.74), (0.53, 0.59, 0.68))
-_MARKED = (0.95, 0.60, 0.25)
 _TURN, _SHIFT = 0.35, 0.15
 """rad, and parts of the robot's size: how far the joints go at most."""
 Solid = tuple[int, Floats]
@@ -150,8 +147,6 @@ def mode_figure(model: Model, q: Floats, shape: Sequence[complex], caption: str,
 
 
 def _picture(draw: Callable[[Axes], None], name: str, size: int = _SIZE) -> str:
-    """Return what is drawn on axes without a frame, with the axes of the ground in a corner."""
-
     def whole(canvas: Canvas) -> None:
         axes, corner = canvas.add_axes((0.0, 0.0, 1.0, 1.0)), canvas.add_axes((0.0, 0.0, 0.16, 0.16))
         axes.set_aspect("equal", adjustable="datalim")
@@ -169,14 +164,12 @@ def _picture(draw: Callable[[Axes], None], name: str, size: int = _SIZE) -> str:
 
 
 def draw_solids(axes: Axes, solids: Sequence[Solid], marked: int | None = None) -> None:
-    """Draw solids, those with the marked number in a colour of their own; nothing where there is nothing to see.
-
-    Method: triangles as points, dense enough to cover every dot, of which the one nearest to the reader is seen.
-    """
+    """Draw solids, those with the marked number in a colour of their own: triangles as points, dense enough to cover
+    every dot, of which the one nearest to the reader is seen."""
     triangles = product(np.concatenate([np.zeros((0, 3, 3)), *(each for _, each in solids)]), PAPER.T)
     if not len(triangles) or not np.ptp(triangles, axis=(0, 1)).any():
         return
-    tints = np.array([_MARKED if number == marked else _TINTS[number % 2] for number, _ in solids])
+    tints = np.array([(0.95, 0.60, 0.25) if number == marked else _TINTS[number % 2] for number, _ in solids])
     a, b, c = triangles.transpose(1, 0, 2)
     normal = np.cross(b - a, c - a)
     sizes = np.linalg.norm(normal, axis=1).clip(np.finfo(float).tiny)
@@ -192,10 +185,8 @@ def draw_solids(axes: Axes, solids: Sequence[Solid], marked: int | None = None) 
 
 
 def nearest(triangles: Floats, across: int, up: int) -> Array:
-    """Return (up, across) which triangle is seen at each dot, -1 where there is none.
-
-    Method: points of each triangle by the additive recurrence of the plastic number, which spreads them evenly, and a
-    buffer of depths (Catmull 1974).
+    """Return (up, across) which triangle is seen at each dot, -1 where there is none: points of each by the additive
+    recurrence of the plastic number, which spreads them evenly, and a buffer of depths (Catmull 1974).
 
     Args:
         triangles: (m, 3, 3) to the right, up and towards the reader; a unit is a dot.
@@ -203,7 +194,7 @@ def nearest(triangles: Floats, across: int, up: int) -> Array:
     a, b, c = triangles.transpose(1, 0, 2)
     area = np.abs(np.cross(b - a, c - a)[:, 2]) / 2
     around = sum(np.abs(end - start).sum(axis=1) for start, end in ((a, b), (b, c), (c, a)))
-    many = np.ceil(_DENSE * (area + around / 2)).astype(np.int64) + 1
+    many = np.ceil(6.0 * (area + around / 2)).astype(np.int64) + 1
     depth, seen = np.full(up * across, -np.inf), np.full(up * across, -1)
     for part in np.split(np.arange(len(a)), np.flatnonzero(np.diff(np.cumsum(many) // 2_000_000)) + 1):
         of = np.repeat(part, many[part])

@@ -32,12 +32,9 @@ _LINKED = 20
 
 
 def check_junit(checked: Checked, strict: bool = False) -> str:
-    """Return a suite for each file, in it a test for each finding: failed if it fails the check.
-
-    A file without findings has one test, which passes. Findings in macros that a description includes, or in its SRDF,
-    are in its suite; their class is the file that they are in. The format is that of Jenkins' xUnit plugin
-    (junit-10.xsd). If strict, warnings fail, too.
-    """
+    """Return a suite for each file, in it a test for each finding, failed if it fails the check (strict: warnings,
+    too), or one that passes. Findings in macros and SRDF are in the suite of their description; their class is their
+    own file. The format is that of Jenkins' xUnit plugin (junit-10.xsd)."""
     fatal = {Severity.ERROR, Severity.WARNING} if strict else {Severity.ERROR}
     found: dict[str, list[Finding]] = {file: [] for file in checked.files}
     for one in file_by_file(checked.findings):
@@ -80,11 +77,8 @@ def _attribute(text: str) -> str:
 
 
 def check_github(findings: Sequence[Finding], unread: Sequence[Unread] = ()) -> str:
-    """Return one line for each finding, `::error file=F,line=L,col=C,title=T::message`, and for each file not read.
-
-    Percent, CR and LF are written %25, %0D and %0A, in properties colon and comma %3A and %2C as well, as the runner's
-    own toolkit does (actions/toolkit, packages/core/src/command.ts).
-    """
+    """Return one line for each finding, `::error file=F,line=L,col=C,title=T::message`, and for each file not read,
+    escaped as the runner's own toolkit does (actions/toolkit, packages/core/src/command.ts)."""
     lines = []
     for finding in file_by_file(findings):
         of = "" if finding.description is None else f" (in {finding.description})"
@@ -120,11 +114,9 @@ def check_sarif(
     reading: Callable[[str], Document],
     unread: Sequence[Unread] = (),
 ) -> str:
-    """Return one run with the rules' documentation; of each finding place, link or joint, numbers and fix.
-
-    Columns count characters from 1. `partialFingerprints` stay the same when lines move or numbers change.
-    `reading` leads from the name of a file to its reading, in whose bytes the findings have their places.
-    """
+    """Return one run with the rules' documentation; of each finding place, link or joint, numbers and fix. Columns
+    count characters from 1; `partialFingerprints` stay the same when lines move or numbers change; `reading` leads from
+    the name of a file to its reading, in whose bytes findings have their places."""
     from importlib.metadata import version
 
     @cache

@@ -207,7 +207,6 @@ def dae_latex(found: Dae) -> str:
 
 
 def _summed(terms: Sequence[str]) -> str:
-    """Return the sum, on a further line after every `MOST` terms."""
     lines = [" + ".join(terms[k : k + MOST]) for k in range(0, len(terms), MOST)]
     return " \\\\\n  &\\quad + ".join(lines).replace("+ -", "- ") or "0"
 

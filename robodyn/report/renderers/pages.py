@@ -1,5 +1,4 @@
-"""A report as one HTML file that needs no network, light and dark, for screens, phones and paper; and as
-GitHub-flavoured Markdown, for pull requests: words and tables, no pictures."""
+"""A report as one HTML file without network, light and dark, for screens, phones and paper; and as Markdown."""
 
 from __future__ import annotations
 
@@ -21,10 +20,7 @@ _SIGNS = {"good": "✅", "doubtful": "⚠️", "bad": "❌", "neutral": "ℹ️"
 
 
 def html(document: doc.Document) -> str:
-    """Return the page.
-
-    Every word is escaped, and the page's policy lets no script run but its own and no address be loaded.
-    """
+    """Return the page: every word is escaped, no script runs but its own, and no address is loaded."""
     need("HTML reports", "jinja2")
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
     from markupsafe import Markup, escape
