@@ -51,10 +51,8 @@ def robodyn(ctx: click.Context) -> None:
 
 
 def main(interrupted: Callable[[], bool] = lambda: False) -> None:
-    """Run the command line; `interrupted` tells whether there was an interrupt.
-
-    Exit status: 0 fine, 1 findings or limits exceeded, 2 the input or the call is wrong, 130 interrupted.
-    """
+    """Run the command line; `interrupted` tells whether there was an interrupt. Exit status: 0 fine, 1 findings or
+    limits exceeded, 2 the input or the call is wrong, 130 interrupted."""
     with reported(interrupted), warnings.catch_warnings():
         for name, status in (("SIGTERM", 143), ("SIGHUP", 129)):  # so that half-written files are removed
             if (number := getattr(signal, name, None)) and signal.getsignal(number) is not signal.SIG_IGN:

@@ -114,8 +114,7 @@ def option(declaration: str, text: str, kind: Any = None, name: str | None = Non
     """Return click's option of "--name" (a flag), "--name METAVAR" or, if it may be given again, "--name METAVAR*".
 
     Args:
-        kind: its type, or the words that it can be; text: for help.
-        name: of the parameter, where that is another.
+        kind: its type, or the words that it can be; text: for help; name: of the parameter, where that is another.
     """
     flag, _, metavar = declaration.partition(" ")
     if metavar:

@@ -21,8 +21,7 @@ LONG, LONG_MESHES, MANY_ROBOTS = 20_000_000, 2_000_000, 10
 
 @contextmanager
 def _bar(shown: bool, what: str, total: float, *columns: str, files: str = "", **options: Any) -> Iterator[Any]:
-    """Yield a function that moves a bar, by the keywords of `Progress.update`, or does nothing where none is shown;
-    columns of `rich.progress`, or texts with braces; options of `Progress`."""
+    """Yield a function that moves a bar by the keywords of `Progress.update`, or does nothing where none is shown."""
     if not (shown and sys.stderr.isatty() and available("rich")):
         yield lambda **_: None
         return

@@ -53,8 +53,7 @@ def _interrupt(number: int, _: FrameType | None) -> NoReturn:
 
 
 def _import_nothing_from_here() -> None:
-    """Take the current folder out of the path before the standard library, where `python -m` and a PYTHONPATH with an
-    empty entry put it; robodyn itself is found already."""
+    """Take the current folder, which `python -m` and an empty entry of PYTHONPATH put there, out of the path."""
     here, library = os.path.realpath(os.curdir), os.path.dirname(os.__file__)
     before = sys.path.index(library) if library in sys.path else 0
     sys.path[:before] = [path for path in sys.path[:before] if os.path.realpath(path or os.curdir) != here]

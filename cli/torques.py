@@ -23,10 +23,7 @@ if TYPE_CHECKING:
     from robodyn.robot.model import Model
     from robodyn.scene.scene import Scene
 
-_MOMENTUM = "Mass centre, momenta, energies, power: report them, and write them to --out."
 _EXECUTOR = "numpy starts at once, compiled makes machine code; default auto: the quicker."
-
-
 _GROUPS = {
     "The robot and what surrounds it": "package-path xacro-arg trust-xacro scene payload gravity base-held",
     "The trajectory": "hold map time-unit angle-unit derivatives encoder-error topic ignore-extra example",
@@ -58,7 +55,7 @@ class TorquesCommand(click.Command):
     options.BASE_HELD,
     option("--reactions", "Write the wrenches of the base and of every joint to --out too."),
     option("--sizing", "Add duty, motors, bearings, foundation; as a scene with motors does."),
-    option("--momentum", _MOMENTUM),
+    option("--momentum", "Mass centre, momenta, energies, power: report them, and write them to --out."),
     option("--about POINT", "Of L: origin (default), com or X,Y,Z.", options.POINT),
     option("--frame LINK", "Axes and origin of momenta; default the ground's."),
     options.READING,

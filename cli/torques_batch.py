@@ -72,13 +72,9 @@ class Job(NamedTuple):
 
 
 def jobs_of(patterns: Sequence[str], out: str, beside: Sequence[str] = ()) -> list[Job]:
-    """Return the jobs of names and patterns (`runs/*.csv`, `runs/**/*.csv`) in their order, each file once; `beside`
-    are other files that are read. Results keep name and type of their trajectory, and the folders that differ.
-
-    Raises:
-        InputError: a pattern fits no file, a type of file is not known, two results would have one name, or a result
-            would overwrite its trajectory.
-    """
+    """Return the jobs of names and patterns (`runs/**/*.csv`) in their order, each file once; `beside` are other files
+    that are read. Results keep name and type of their trajectory, and the folders that differ. InputError: a pattern
+    fits no file, a type is not known, two results would have one name, or one would overwrite an input."""
     found = []
     for pattern in patterns:
         files = [pattern]
@@ -165,11 +161,9 @@ class Setup:
 
 
 def run_job(setup: Setup, job: Job) -> Outcome:
-    """Compute one trajectory and write its table, then its document, each whole or not at all.
-
-    A document whose digest is that of robot, scene, options, version and trajectory, beside a table of the size that it
-    tells, is finished: nothing is computed then. Every fault is part of the outcome.
-    """
+    """Compute one trajectory and write its table, then its document, each whole or not at all; nothing where a document
+    of this digest (robot, scene, options, version, trajectory) stands beside a table of the size that it tells. Every
+    fault is part of the outcome."""
     try:
         if setup.version != VERSION:
             what = f"robodyn {VERSION} works on it, the batch is of robodyn {setup.version}"
@@ -315,10 +309,8 @@ def _setup(call: Call, urdf: str, loads: Mapping[str, Any]) -> tuple[Setup, str]
 
 
 def worked_here(setup: Setup, jobs: Sequence[Job], count: int) -> Iterator[tuple[int, Outcome]]:
-    """Yield (number, outcome) of every job as they are done, by `count` processes.
-
-    When the iterator is closed early, by an interruption for example, processes remove what they have half-written.
-    """
+    """Yield (number, outcome) of every job as they are done, by `count` processes, which remove what they have
+    half-written when the iterator is closed early."""
 
     def clear(number: int) -> None:
         """Remove what the process has not: killed, or under Windows, it cannot."""
@@ -338,12 +330,8 @@ def _run_quietly(setup: Setup, job: Job) -> Outcome:
 
 def worked_there(setup: Setup, jobs: Sequence[Job], address: str) -> Iterator[tuple[int, Outcome]]:
     """Yield (number, outcome) of every job as they are done, by the workers of the cluster whose scheduler has this
-    address. They need robodyn of this version, and the files of this machine under the same names. Jobs of a worker
-    that dies go to others. When the iterator is closed early, jobs that have not begun are cancelled.
-
-    Raises:
-        InputError: there is no scheduler at the address.
-    """
+    address; InputError without one. They need robodyn of this version, and the files of this machine under the same
+    names. Jobs of a worker that dies go to others; those that have not begun are cancelled at an early end."""
     distributed: Any = import_module("distributed")  # which sets the levels of its own loggers
     logging.getLogger("distributed.client").setLevel(logging.ERROR)  # work given to another worker is no news
     try:

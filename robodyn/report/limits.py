@@ -207,8 +207,7 @@ def exceeded_section(result: Result | Simulation) -> Section:
 
 
 def _exceeded_things(result: Result) -> list[tuple[str, str]]:
-    """Return joint and sentence of all that is exceeded, each once: first what breaks, by how many times the limit it
-    is."""
+    """Return joint and sentence of all that is exceeded, once: first what breaks, by how many times the limit it is."""
     found: list[tuple[bool, float, str, str]] = []
     for excess in result.exceeded:
         beyond, position = abs(excess.value - excess.limit), excess.quantity == "position"

@@ -139,7 +139,7 @@ def _kind(mode: Mode) -> str:
 def moves(names: Sequence[str], mode: Mode) -> str:
     """Return which joints move how much, in step or against each other, those with most kinetic energy first."""
     order = sorted(range(len(names)), key=lambda k: (mode.shape[k] != 1.0, -round(mode.shares[k], 6), k))
-    least = 0.05 * max(map(abs, mode.shape))
+    least = 0.05 * max(map(abs, mode.shape))  # less is not named
     shown = [k for k in order if k == order[0] or (abs(mode.shape[k]) >= least and mode.shares[k] > 0)][:4]
     words: list[str] = []
     for k in shown:

@@ -83,7 +83,7 @@ def measured_sections(found: Comparison) -> Iterator[doc.Section]:
     yield doc.paragraphs(
         [f"{found.robot}: {what}, {found.duration:.6g} s, {over}", f"{verdict.headline}.", *verdict.reasons]
     )
-    told = [fault for fault in found.faults if fault.shares.max() >= 0.02]
+    told = [fault for fault in found.faults if fault.shares.max() >= 0.02]  # others have no line
     lines = [*_gross(found), *(fault_words(found, fault) for fault in told)]
     few = count(len(found.faults) - len(told), "effect")
     rest = [f"{few} that explain less than 2 % left out"] if len(told) < len(found.faults) else []

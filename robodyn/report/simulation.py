@@ -128,12 +128,11 @@ def simulation_page(result: Simulation, pictures: bool = True) -> doc.Document:
     verdict = doc.Verdict("good", f"The motion ran for its {end}, and its energy balances", (energy,))
     if result.ended:
         verdict = doc.Verdict("bad", f"The motion ended early, at {end}", (result.ended, energy))
-    elif relative > 1e-3:
+    elif relative > 1e-3:  # above it steps are too long
         verdict = doc.Verdict("doubtful", "The energy drifts: take shorter steps or a smaller tolerance", (energy,))
     verdicts = [verdict, *([limits_verdict(result)] if result.joints or result.caveats else [])]
-    blocks: list[doc.Block] = [
-        *sorted(verdicts, key=lambda verdict: ("bad", "doubtful", "neutral", "good").index(verdict.level))
-    ]
+    worst_first = ("bad", "doubtful", "neutral", "good")
+    blocks: list[doc.Block] = [*sorted(verdicts, key=lambda verdict: worst_first.index(verdict.level))]
     if pictures:
         blocks += _pictures(result)
     table = doc.csv_text(("time", *result.names), np.column_stack((result.time, result.columns)).tolist())

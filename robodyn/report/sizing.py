@@ -22,6 +22,7 @@ _WORDS = {
     "velocity": ("the joint's speed", "the description allows"),
 }
 """Of a quantity what it is, and what limits it."""
+_WORST = ("over peak", "over continuous", "OK", "no limits")
 _FEW, _NAMED = 3, 8
 """Joints that are named instead of counted, and that are named at most."""
 _MISSING = {"slip": "would slip", "pull": "had to pull", "tip": "would tip over", "fly": "stands on nothing"}
@@ -73,10 +74,7 @@ def sizing_sections(result: Result) -> Iterator[Section]:
 def verdicts(loads: Sequence[JointLoad], sizing: Sizing) -> Facts:
     """Return of each joint in plain words what it exceeds, or how near it comes to its limits, the worst first."""
     items = []
-    for load, joint in sorted(
-        zip(loads, sizing.joints, strict=True),
-        key=lambda pair: ("over peak", "over continuous", "OK", "no limits").index(pair[1].level),
-    ):
+    for load, joint in sorted(zip(loads, sizing.joints, strict=True), key=lambda pair: _WORST.index(pair[1].level)):
         if not joint.exceeded:
             uses: list[tuple[float, float | None, str]] = []
             if (motor := joint.motor) is not None:
@@ -89,9 +87,8 @@ def verdicts(loads: Sequence[JointLoad], sizing: Sizing) -> Facts:
             shares = [(100.0 * x / limit if limit > 0 else 0.0, what) for x, limit, what in uses if limit is not None]
             used = (f"{'<1' if 0.0 < share < 0.5 else f'{share:.0f}'} % of {what}" for share, what in shares)
             nearness = ", ".join(used)
-            items.append(
-                (joint.name, f"OK: {nearness}" if nearness else "OK" if joint.level == "OK" else "no limits are known")
-            )
+            known = "OK" if joint.level == "OK" else "no limits are known"
+            items.append((joint.name, f"OK: {nearness}" if nearness else known))
         for k, exceeded in enumerate(joint.exceeded):
             items.append(("" if k else joint.name, f"{exceeded.level.upper()}: {in_words(exceeded)}"))
     return Facts(tuple(items))
@@ -171,7 +168,7 @@ def constraint_tables(result: Result) -> Iterator[Table]:
             row += [f"{size.number(each.least_normal.value, 'N')} to {size.number(each.normal.value, 'N')}"]
             row += [f"{each.friction:g}", *([f"{100 * used.value:.0f}%", f"{used.time:.4g}"] if used else ["", ""])]
             row += [f"{1e3 * margin.value:.3g}", f"{margin.time:.4g}"] if margin else ["", ""]
-            rows.append([*row, point_text((1e3 * x for x in each.centre), 1e3) if each.centre else ""])
+            rows.append([*row, point_text((1e3 * x for x in each.centre), reach=1e3) if each.centre else ""])
         head = ["contact", "on", "force [N]", "at [s]", "along normal [N]", "friction", "of it used", "at [s]"]
         head += ["margin [mm]", "at [s]", "centre of pressure [mm]"]
         kept = 11 if any(each.margin for each in found.contacts) else 8

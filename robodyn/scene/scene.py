@@ -1,7 +1,5 @@
-"""A scene: what surrounds a robot, and what that is made of: friction, motors, payloads, wrenches, loops, contacts.
-
-Each field of these dataclasses is a key of scene.toml; its type says what may stand there (see `toml_table`).
-"""
+"""A scene: what surrounds a robot. Each field of these dataclasses is a key of scene.toml; its type says what may stand
+there (see `toml_table`)."""
 
 from __future__ import annotations
 
@@ -177,11 +175,8 @@ class Immersed(FrozenValue):
 
 @dataclass(frozen=True)
 class Drive(FrozenValue):
-    """The torque at a joint in a simulation: `torque + kp (reference - q) + kd (speed - qd)`, in N m and rad.
-
-    Torque, reference and speed may be names of columns; without a speed it is the slope of the reference, 0 where that
-    is a number.
-    """
+    """The torque at a joint in a simulation: `torque + kp (reference - q) + kd (speed - qd)`, in N m and rad; torque,
+    reference and speed may be names of columns, and a speed of None is the slope of the reference."""
 
     torque: Entry = 0.0
     kp: float = 0.0

@@ -197,7 +197,6 @@ class TomlTable:
         raise self.error(f'"{key}" is {value!r:.60}, not {what}', remedy, key)
 
     def _items(self, key: str, value: Any, kinds: tuple[Any, ...], remedy: str | None) -> tuple[Any, ...]:
-        """Return a list of as many items as there are types, or of any number where the second is an ellipsis."""
         many = kinds[-1] is ...
         if not isinstance(value, list) or (not many and len(value) != len(kinds)):
             nouns = "numbers" if float in kinds else "numbers or names of columns"

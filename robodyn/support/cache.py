@@ -53,10 +53,10 @@ class Key(NamedTuple):
 
 
 class ObjectCache:
-    """Bytes by key, in one file each: written whole or not at all, ignored unless intact.
+    """Bytes by key, in one file each: a mark, the digest of key and content, and the content, which is run.
 
-    A file holds a mark, the digest of key and content, and the content, which is run: so files and folders that others
-    own or may write to, or under Windows outside the user's own folder, are ignored. No failure is an error.
+    Files are written whole or not at all, and ignored unless intact; so are files and folders that others own or may
+    write to, or under Windows outside the user's own folder. No failure is an error.
 
     Args:
         folder: made when it is needed; None keeps nothing. largest: bytes kept.
@@ -87,10 +87,8 @@ class ObjectCache:
         return content
 
     def put(self, key: Key, content: bytes) -> None:
-        """Keep the content under this key, if that can be; files used longest ago and those never finished go.
-
-        Unlike `whole_file` this replaces a link or a pipe, as nothing may be written elsewhere.
-        """
+        """Keep the content under this key, if that can be; files used longest ago and those never finished go. Unlike
+        `whole_file` this replaces a link or a pipe, as nothing may be written elsewhere."""
         if self._folder is None:
             return
         path = self._folder / _name(key)

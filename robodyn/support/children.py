@@ -43,12 +43,10 @@ def start_python(
     """Return a process of Python that calls a function, with pipes to its standard input and from its standard output.
 
     It is isolated (`-I`: neither PYTHON... variables nor the current folder count), and imports from where this one
-    does, see `_START`.
+    does, see `_START`. Its variables and its folder are those of this process by default.
 
     Args:
         function: `module:name`; arguments: for it.
-        environment: its variables; those of this process by default.
-        folder: that it runs in; the current one by default.
     """
     import robodyn
 

@@ -75,9 +75,8 @@ def need(what: str, *names: str, otherwise: str = "", file: str | None = None) -
     """Raise if a library of an extra is not installed: before long work begins, or where it would be imported.
 
     Args:
-        what: needs the libraries, in the plural.
+        what: needs the libraries, in the plural; otherwise: what helps without them.
         names: of libraries of `OPTIONAL`, all of one extra.
-        otherwise: what helps without them.
     """
     missing = [library for library in OPTIONAL if library.name in names and not available(library.module)]
     if missing:

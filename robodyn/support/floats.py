@@ -1,9 +1,6 @@
-"""Floating-point numbers: the type of arrays, sums, and orders and choices that rounding errors do not turn.
-
-Numbers that are the same in their first 30 bits are ties. Where numbers come from depends on the processor in their
-last bits, and what a user sees must not. Comparing them in 30 bits is comparing them within 1e-9; the limits between
-two such numbers have 31 bits, which no number has by design.
-"""
+"""Floating-point numbers: the type of arrays, sums, and orders and choices that rounding errors do not turn. Numbers
+that are the same in their first 30 bits (within 1e-9) are ties: where they come from depends on the processor in their
+last bits, what a user sees must not. Limits between two such numbers have 31 bits, which no number has by design."""
 
 from __future__ import annotations
 
@@ -33,11 +30,8 @@ def median(values: ArrayLike) -> float:
 
 
 def steady(numbers: ArrayLike, noise: float = 0.0) -> Floats:
-    """Return the numbers rounded to 30 bits, which comparisons are made with, by Veltkamp's splitting (Dekker 1971).
-
-    Args:
-        noise: what arithmetic cannot tell from zero, in the unit of the numbers: such numbers are 0.
-    """
+    """Return the numbers rounded to 30 bits, which comparisons are made with, by Veltkamp's splitting (Dekker 1971); 0
+    where they are within `noise`, in their unit, which arithmetic cannot tell from zero."""
     given = np.asarray(numbers, dtype=float)
     with np.errstate(over="ignore", invalid="ignore"):
         large = given * _SPLIT
@@ -68,10 +62,8 @@ def first_largest(values: ArrayLike, noise: float = 0.0) -> int:
 
 
 def einsum(subscripts: str, *factors: Any, optimize: bool = False) -> Any:
-    """Return `np.einsum`, and zeros where a factor is empty: the sum is over nothing then, or the result is empty, too.
-
-    NumPy 2.4 leaves there what stood in memory, or does not, as the layout of the heap has it.
-    """
+    """Return `np.einsum`, and zeros where a factor is empty: NumPy 2.4 leaves there what stood in memory, or does not,
+    as the layout of the heap has it."""
     found = np.einsum(subscripts, *factors, optimize=optimize)
     if all(map(np.size, factors)):
         return found

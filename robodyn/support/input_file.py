@@ -1,11 +1,9 @@
 """The one place where input files are opened: regular files, and what the user gives as standard input.
 
-A robot's folder may come from anybody, and git stores links: a name in it may lead to a pipe that never ends, or to a
-device. So a name that was found, in a file, a folder or a pattern, is opened only if it is that of a regular file. A
-name that the user typed may besides be that of a descriptor of this process, as `<(zcat log.csv.gz)` of shells is.
-
-A few kilobytes can ask for gigabytes or hours. So a reader compares what it finds with the table `InputLimits` before
-it makes room for it, and refuses by `beyond`, which names the limit and how to raise it.
+A robot's folder may come from anybody, and links in it may lead to a pipe that never ends, or to a device. So a name
+that was found is opened only if it is that of a regular file; one that the user typed may besides be that of a
+descriptor of this process, as `<(zcat log.csv.gz)` of shells is. A few kilobytes can ask for gigabytes or hours: a
+reader compares what it finds with the table `InputLimits` before it makes room for it, and refuses by `beyond`.
 """
 
 from __future__ import annotations
@@ -118,9 +116,7 @@ def _asked_for(text: str) -> InputLimits:
 def open_input(path: str | os.PathLike[str], typed: bool = False) -> BufferedReader:
     """Return a regular file opened for reading; nothing that this opens can block or never end.
 
-    Args:
-        typed: the user gave this very name, so that a descriptor of this process (`/dev/stdin`, `/dev/fd/63`), which
-            may be a pipe, is meant.
+    If the user `typed` this very name, a descriptor of this process (`/dev/stdin`, `/dev/fd/63`) may be a pipe.
 
     Raises:
         OSError, ValueError: it cannot be opened, or is a folder, a pipe or a device; this is not the name of a file.

@@ -50,10 +50,8 @@ def version_of(name: str) -> str | None:
 
 
 def loading(modules: Sequence[str]) -> Iterator[tuple[str, str]]:
-    """Yield each module with the reason why it does not load, empty if it does.
-
-    One process imports them in turn; where it ends before the last, the next one has ended it, and another goes on.
-    """
+    """Yield each module with the reason why it does not load, empty if it does: one process imports them in turn; where
+    it ends before the last, the next one has ended it, and another goes on."""
     waiting = list(modules)
     folder = os.path.dirname(os.__file__)  # for processes that libraries start as they are imported
     while waiting:

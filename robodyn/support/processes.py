@@ -86,10 +86,8 @@ class _Worker(Generic[R]):
 
 @contextmanager
 def delayed_interruption() -> Iterator[None]:
-    """Let an interruption wait; processes that are started meanwhile never get one, though polars handles signals.
-
-    A terminal interrupts all processes, of which only the first is to end the others.
-    """
+    """Let an interruption wait; processes that are started meanwhile never get one, though polars handles signals: a
+    terminal interrupts all, of which only the first is to end the others."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
@@ -108,11 +106,8 @@ def in_processes(
 ) -> Generator[tuple[int, R | Death], None, None]:
     """Yield the number of each of some calls with what `work(*call)` returned, as they are done by so many processes.
 
-    When the iterator is closed early, by an interruption for example, the processes are asked to end.
-
-    Args:
-        work: what it raises is raised here.
-        clear: called with the number of a call whose process has ended before it could clear up, perhaps.
+    What `work` raises is raised here. When the iterator is closed early, by an interruption for example, the processes
+    are asked to end. `clear` gets the number of a call whose process may have ended before it could clear up.
     """
     waiting = deque(range(len(calls)))
     attempts = [0] * len(calls)
@@ -171,11 +166,8 @@ def in_processes(
 
 
 def serve() -> None:
-    """Work until there is no more, in a process that `in_processes` has started.
-
-    Calls come by standard input and answers go by standard output, which what is called finds empty and leads to
-    standard error.
-    """
+    """Work until there is no more, in a process that `in_processes` has started: calls come by standard input, answers
+    go by standard output, which what is called finds empty and leads to standard error."""
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # so that half-written files are removed
     calls, answers = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
     with open(os.devnull, "rb") as nothing:

@@ -14,7 +14,6 @@ _LONGEST = 60
 _LONGEST_PATH = 120
 _MOST_NAMES = 8
 _MOST_CANDIDATES = 1000
-_MOST_MEANT = 3
 _SLIPS, _PART = 2, 3
 """Letters in which a name may differ from the one that was meant, and that two names share to be like each other."""
 _SURMISES = "it may be that ", "one of these: "
@@ -84,7 +83,7 @@ def surmised(cause: str) -> bool:
 def alternatives(name: str, valid: Collection[str], kind: str) -> str:
     """`did you mean 'x'?` where valid names are near, otherwise the valid names."""
     near = [shown(other) for other in nearest(name, valid)]
-    if len(near) > _MOST_MEANT:
+    if len(near) > 3:
         return f"{kind} like it: {listed(nearest(name, valid))}"
     if near:
         return f"did you mean {' or '.join([', '.join(near[:-1]), near[-1]] if near[1:] else near)}?"
@@ -92,10 +91,8 @@ def alternatives(name: str, valid: Collection[str], kind: str) -> str:
 
 
 def slip_of(name: str, known: Collection[str]) -> str | None:
-    """Return the known name that this is but for a slip of one or two letters; None if it is known, or another's.
-
-    Only words of letters are compared: position_x is no slip of position.
-    """
+    """Return the known name that this is but for a slip of one or two letters, of words of letters alone (position_x is
+    no slip of position); None if it is known, or another's."""
     if name in known or not name.isalpha():
         return None
     return next((other for other in known if _edits(name, other) <= _SLIPS), None)
@@ -137,10 +134,8 @@ def nearest(name: str, valid: Collection[str]) -> list[str]:
 
 
 def shortened(names: Sequence[str], most: int) -> list[str]:
-    """Return different names of at most so many characters, cut in the middle, and still different.
-
-    Where one place to cut leaves some alike, they are cut elsewhere; what no cut tells apart stays as it is.
-    """
+    """Return different names of at most so many characters, cut in the middle, elsewhere where that leaves some alike,
+    and still different; what no cut tells apart stays as it is."""
     found = {name: name for name in names}
     alike, places = list(found), sorted(range(1, most - 3), key=lambda head: (abs(2 * head - (most - 3)), head))
     for head in [*places, None]:

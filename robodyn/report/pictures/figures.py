@@ -137,8 +137,7 @@ def lines_figure(
 
 
 def dots(axes: Axes, x: Floats, y: Floats, colour: str) -> None:
-    """Draw points, those on the same pixel once, as one short path: markers would take ten times as much of the
-    page."""
+    """Draw points, those on the same pixel once, as one short path: markers would take ten times as much room."""
     cells = [np.rint(_CELLS * each / (np.ptp(each) if len(each) and np.ptp(each) else 1.0)) for each in (x, y)]
     _, kept = np.unique(np.stack(cells), axis=1, return_index=True)
     across, up = (np.column_stack((each, each, np.full(len(kept), np.nan))).ravel() for each in (x[kept], y[kept]))

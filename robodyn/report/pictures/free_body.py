@@ -130,7 +130,7 @@ def drawing(body: FreeBody, title: str, size: Sizes) -> str:
         *(svg_text(x, SHEET.bottom + 34, head, 13, "soft") for x, head in _HEADS),
     ]
     scales = [max(float(np.abs(getattr(a, part)).max()) for a in body.actions) for part in _PARTS if body.actions]
-    whats = shortened([f"{action.what}, by {action.by}" for action in body.actions], 42)
+    whats = shortened([f"{action.what}, by {action.by}" for action in body.actions], most=42)
     for row, (action, what) in enumerate(zip(body.actions, whats, strict=True), start=1):
         y = SHEET.bottom + 34 + row * _ROW
         parts.append(svg_text(24, y, symbols(action, size), 12, None, bold=True, fill=COLOURS.get(action.kind, OTHER)))
@@ -268,7 +268,7 @@ def arrows(body: FreeBody, spots: list[Point], size: Sizes) -> list[Arrow]:
             along = product(body.pose.R, getattr(action, name)) / amount
             right, down = on_paper(along)
             long = hypot(right, down) * sqrt(1.5) * max(SHORTEST, LONGEST * amount / max(amounts))
-            flat = long >= 14.0
+            flat = long >= 14.0  # else it points at the reader or away, and is a disc
             way = (right / hypot(right, down), down / hypot(right, down)) if flat else (0.0, -1.0)
             aside = 0.0
             for other in found:  # arrows that leave about the same spot in about the same direction

@@ -194,7 +194,8 @@ def nearest(triangles: Floats, across: int, up: int) -> Array:
     a, b, c = triangles.transpose(1, 0, 2)
     area = np.abs(np.cross(b - a, c - a)[:, 2]) / 2
     around = sum(np.abs(end - start).sum(axis=1) for start, end in ((a, b), (b, c), (c, a)))
-    many = np.ceil(6.0 * (area + around / 2)).astype(np.int64) + 1
+    per_dot = 6.0
+    many = np.ceil(per_dot * (area + around / 2)).astype(np.int64) + 1
     depth, seen = np.full(up * across, -np.inf), np.full(up * across, -1)
     for part in np.split(np.arange(len(a)), np.flatnonzero(np.diff(np.cumsum(many) // 2_000_000)) + 1):
         of = np.repeat(part, many[part])

@@ -87,8 +87,7 @@ def robot_inertia(description: Description, at: Values = ()) -> RobotInertia:
     """Return all links as one rigid body in the frame of the base: the composite of their bodies at their poses.
 
     Method: forward kinematics in floats, then the laws in fractions (see `composite`). Links that no body could be are
-    added as declared, with a warning. `at`: values of all coordinates, or of some by name [rad or m]; the others are
-    zero.
+    added as declared, with a warning. `at`: values of all coordinates, or of some by name [rad or m]; the others are 0.
 
     Accuracy: mass correctly rounded; centre of mass and inertia within 1e-14 of the robot's size and largest moment for
         twenty joints in a row.

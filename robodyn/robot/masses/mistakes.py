@@ -1,10 +1,9 @@
 """Which mistake explains a declared inertial, weighed by the link's own shapes.
 
-Every hypothesis, "it is right", "its mass is in g", "its tensor is about the link's origin", says what was meant, which
-is as probable as right declarations are that are as far from the solid of the shapes. Bayes' rule makes probabilities
-of it. Beside the mistakes stand hypotheses that explain nothing: a factor that belongs to no unit, any of 1e-6 to 1e9
-alike, and numbers that have nothing to do with the link. So a factor of 16.7 is not called 25.4: where the shapes tell
-them apart it is not near enough, and where they do not, any factor near it is as good.
+Every hypothesis, "it is right", "its mass is in g", says what was meant, which is as probable as right declarations
+are that are as far from the solid of the shapes; Bayes' rule makes probabilities of it. Beside the mistakes stand
+hypotheses that explain nothing: a factor that belongs to no unit, any of 1e-6 to 1e9 alike, and numbers that have
+nothing to do with the link. So a factor of 16.7 is not called 25.4, whether shapes tell them apart or not.
 """
 
 from __future__ import annotations
@@ -298,8 +297,7 @@ def _normal(squares: Floats, deviation: Floats | float, count: int) -> Floats:
 
 
 def _mixed(mixture: Mixture, *parts: tuple[Floats, int]) -> Floats:
-    """Return the logarithms of a mixture of normal distributions of vectors: the squares (k,) of each one's length, and
-    how many numbers it has."""
+    """Return the logarithms of a mixture of normal distributions of vectors, by squared lengths (k,) and sizes."""
     shares, *deviations = np.array(mixture).T[:, :, None]
     found = np.log(shares)
     for (squares, count), deviation in zip(parts, deviations, strict=True):
@@ -366,11 +364,7 @@ class Posterior:
 
 
 def mistake_posterior(given: Given, shapes: Uniform) -> Posterior:
-    """Return which mistake explains what a link says.
-
-    Args:
-        given: of positive mass, and finite.
-        shapes: in the axes of the inertial.
+    """Return which mistake explains what a link says, of positive mass and finite; its shapes in the inertial's axes.
 
     Accuracy: of what is named of 20 kinds of mistakes planted in healthy links of ten robots that the distributions
         were not measured on, at most 2 % have another name.
@@ -403,9 +397,8 @@ def mistake_posterior(given: Given, shapes: Uniform) -> Posterior:
 
 
 def _unexplained(given: Given, shapes: Uniform, size: float, form: float, density: float, place: float) -> Floats:
-    """Return the logarithms of what explains nothing: a factor of the tensor, of mass and tensor, of the mass, and of
-    the centre, each of any size; a tensor, a centre (Cauchy's distribution in space) and both that have nothing to do
-    with the link."""
+    """Return the logarithms of what explains nothing: factors of the tensor, of mass and tensor, of the mass, and of
+    the centre; a tensor, a centre (Cauchy's distribution in space) and both that have nothing to do with the link."""
     away = -2.0 * log(1.0 + float(((given.c - shapes.c) ** 2).sum() / shapes.spread) / 4.0) - log(8.0 * pi**2)
     other, formed, by_factors = _IMPOSSIBLE, -inf, np.zeros(0)
     if form < inf:

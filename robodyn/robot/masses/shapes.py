@@ -235,10 +235,8 @@ class LinkComparison:
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """The links of a robot that have mass or shapes, the most different first, those that were not compared last.
-
-    Links that differ equally, or by no more than rounding, stand in the order of the description.
-    """
+    """The links of a robot that have mass or shapes, the most different first, those that were not compared last; those
+    that differ equally, or by no more than rounding, in the order of the description."""
 
     name: str
     file: str

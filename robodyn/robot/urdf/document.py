@@ -1,7 +1,5 @@
-"""The file as written: every element and attribute of a URDF, with its place, and everything that is wrong as XML.
-
-`read` keeps all that is wrong as data, as a linter wants it; `read_document` is strict and raises the first.
-"""
+"""The file as written: every element and attribute of a URDF, with its place, and all that is wrong as XML: `read`
+keeps it as data, as a linter wants it; `read_document` is strict and raises the first."""
 
 from __future__ import annotations
 
@@ -38,10 +36,8 @@ class Span:
 
 
 class SourcePositions:
-    """Where byte offsets of `data` lie; a line ends with LF, CR or CR LF, and a byte order mark takes no column.
-
-    Each index costs one pass over the text, each question a bisection and at most two blocks of `_BLOCK` bytes.
-    """
+    """Where byte offsets of `data` lie; a line ends with LF, CR or CR LF, and a byte order mark takes no column. Each
+    index costs one pass over the text, each question a bisection and at most two blocks of `_BLOCK` bytes."""
 
     def __init__(self, data: bytes, encoding: str) -> None:
         self.data, self.encoding = data, encoding
@@ -88,10 +84,8 @@ class Attribute:
 
 @dataclass(eq=False, slots=True)
 class Element:
-    """An element: `values` of its attributes, and `attributes` with their places, found when first asked for.
-
-    `text` is the character data directly inside it, `start` the byte offset of its start tag, `line` the tag's line.
-    """
+    """An element: `values` of its attributes, and `attributes` with their places, found when first asked for; `text` is
+    the character data directly inside it, `start` the byte offset of its start tag, `line` the tag's line."""
 
     tag: str
     values: Mapping[str, str]
@@ -265,10 +259,8 @@ class _UnreadableError(Exception):
 
 
 class _Reader:
-    """One parse by expat, which fetches nothing: its events become elements and faults, in the order of the file.
-
-    What declares entities ends the reading before any is expanded.
-    """
+    """One parse by expat, which fetches nothing: its events become elements and faults, in the order of the file; what
+    declares entities ends the reading before any is expanded."""
 
     def __init__(self, file: str, data: bytes, encoding: str | None, root: str = "robot") -> None:
         self.file, self.tag = file, root

@@ -1,9 +1,6 @@
-"""Links, joints and numbers of a document as far as they can be read.
-
-Nothing in this view raises: what is missing or unreadable is None, what is wrong with a number is data. Of several
-children with one tag the first counts, as in urdfdom. Rules report the faults; strict reading
-(`robodyn.robot.urdf.description`) takes its values out of the same view, and raises the first.
-"""
+"""Links, joints and numbers of a document as far as they can be read: nothing here raises, what is missing or
+unreadable is None, what is wrong with a number is data. Of several children with one tag the first counts, as in
+urdfdom. Rules report the faults; strict reading (`description`) raises the first."""
 
 from __future__ import annotations
 
@@ -39,12 +36,8 @@ class NumbersError(ValueError):
 
 def parse_numbers(text: str, count: int, tag: str = "") -> tuple[float, ...]:
     """Return exactly `count` finite numbers of an element with this tag; NumbersError with what is wrong and what to
-    write.
-
-    What is next to nothing is 0, but of axes, which are made to unit vectors. Limits may be of any size: they are
-    compared, not calculated with. What float() takes beyond URDF (`1_000`, `inf`, `nan`, digits outside ASCII) is
-    refused.
-    """
+    write. What is next to nothing is 0, but of axes, which are made to unit vectors; limits may be of any size. What
+    float() takes beyond URDF (`1_000`, `inf`, `nan`, digits outside ASCII) is refused."""
     return (_parsed_before if len(text) <= _SHORT else _parsed)(text, count, tag)
 
 
@@ -87,10 +80,8 @@ def _not_numbers(text: str) -> NumbersError:
 
 @dataclass(slots=True, eq=False)
 class Numbers:
-    """The numbers of one attribute, or what is wrong with them: `values` is None where it is absent or has a `problem`.
-
-    `element` is None where that of the attribute is absent, too.
-    """
+    """The numbers of one attribute, or what is wrong with them: `values` is None where it is absent or has a `problem`,
+    `element` where that of the attribute is absent, too."""
 
     element: Element | None
     attribute: str
@@ -159,7 +150,6 @@ class Kept(Generic[T]):
 
 
 def _number(name: str, count: int = 1, child: str = "") -> Kept[Numbers]:
-    """Return the numbers of an attribute of the part's element, or of its first child with that tag."""
     return Kept(lambda part: numbers(part.element.find(child) if child else part.element, name, count))
 
 

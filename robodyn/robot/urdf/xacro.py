@@ -44,8 +44,8 @@ def expanded(
     """Return the URDF that a xacro file stands for, with these arguments, and where each element of it was written.
 
     Packages are looked for as those of meshes are. Unless it is trusted, a file may compute what `xacro_expressions`
-    lists, read what `Reach` allows, and know the environment's variables about packages; else whatever Python can,
-    within time and memory.
+    lists, read what `Reach` allows, and know the environment's variables about packages; else whatever Python
+    can, within time and memory.
 
     Raises:
         InputError: xacro is not installed, the file cannot be read or expanded, asks for what it may not, with the

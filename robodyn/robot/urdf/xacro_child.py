@@ -1,9 +1,8 @@
 """What expands xacro files, in a process of its own: xacro, with expressions, files and variables that are bounded.
 
-xacro keeps what it is at in variables of its modules, prints, and computes expressions by Python's `eval`. So each file
-is expanded by a process of its own, in which others stand for some of xacro's functions. It copies elements as it
-expands macros, and forgets where they came from. So each gets an attribute when its file is parsed, which is copied
-with it, and is taken away again at the end.
+xacro keeps what it is at in variables of its modules, prints, and computes by Python's `eval`: so each file is expanded
+by a process of its own, in which others stand for some of xacro's functions. It copies elements as it expands macros,
+and forgets where they came from: so each gets an attribute when its file is parsed, which is taken away at the end.
 """
 
 from __future__ import annotations
@@ -49,8 +48,8 @@ class Reach:
     """Reads for an expansion: what is trusted any regular file and any variable.
 
     Links followed, a file must lie in the package of the description (its folder, without a package.xml), a package
-    path, a package found by its package.xml or another copy of one of these; or an argument names it from the root on.
-    Nothing is read below names that begin with a dot. Arguments stand for variables of their names as well.
+    path, a package found by its package.xml or another copy of one of these, or be named from the root on by an
+    argument; not below names that begin with a dot. Arguments stand for variables of their names as well.
     """
 
     def __init__(
@@ -117,7 +116,6 @@ class Reach:
         return os.environ.get(name)
 
     def _check(self, path: str) -> None:
-        """Raise if a file is out of reach, whether it is there or not."""
         real = os.path.realpath(path or os.curdir)
         if self._trusted or self._within(real):
             return
@@ -370,8 +368,8 @@ def _sentence(error: BaseException) -> str:
 
 
 def _watch(event: str, arguments: tuple[Any, ...]) -> None:
-    """Raise where Python is about to do what no expansion does, should an expression come through to it: to start a
-    process, to reach the network, to write a file, to run code that is no module's."""
+    """Raise where Python is about to do what no expansion does: start a process, reach the network, write a file, run
+    code that is no module's."""
     wrong = event.startswith(_NEVER) and event not in ("os.listdir", "os.scandir")
     if event == "open":
         _, mode, flags = arguments

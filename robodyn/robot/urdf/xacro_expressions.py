@@ -1,8 +1,7 @@
 """Expressions of xacro, computed from their syntax: what is not listed here is refused, and all is bounded.
 
-Python's own `eval` is not used. Values are numbers, text, and lists, tuples and dictionaries of these; functions can be
-called, are not called by others, and have no attributes. Each step is counted, and whatever could make something large
-is asked for its size first.
+Values are numbers, text, and lists, tuples and dictionaries of these; functions are not called by others, and have no
+attributes. Each step is counted, and whatever could make something large is asked for its size first.
 """
 
 from __future__ import annotations
@@ -236,7 +235,7 @@ class Evaluator:
     """Computes expressions.
 
     Args:
-        functions: what stands for each function or type that may be called: itself, or one that is bounded.
+        functions: what stands for each that may be called, as `PLAIN`.
         namespace: the type of xacro's name spaces, whose attributes are what is in them.
     """
 
