@@ -243,12 +243,9 @@ def _entries_runner(a_plan: Plan) -> tuple[Runner, NDArray[np.intp]]:
 
 
 class SecondDerivatives(NamedTuple):
-    """How the derivatives of torques change: results (..., n, n, n).
-
-    Entry [i, j, k] of `a_b` is tau_i differentiated by a_j and then by b_k; `qdd_q` is dM/dq, and all others are 0, or
-    these with j and k exchanged. Turns of a floating base do not commute, so that there `q_q` is not symmetric in j and
-    k.
-    """
+    """How the derivatives of torques change: results (..., n, n, n). Entry [i, j, k] of `a_b` is tau_i differentiated
+    by a_j and then by b_k; `qdd_q` is dM/dq, and all others are 0, or these with j and k exchanged. Turns of a floating
+    base do not commute, so that there `q_q` is not symmetric in j and k."""
 
     q_q: Floats
     qd_q: Floats

@@ -84,12 +84,8 @@ def momentum_of_bodies(
 
 def total_momenta(parents: Sequence[int], motions: Sequence[Motion], inertias: Sequence[Inertia]) -> TotalMomenta:
     """Momenta and energy from velocities alone: no force and no acceleration enters; arguments as for `newton_euler`.
-
     `T = sum (P . v + H . w) / 2` over the bodies; inward `P_j += R P`, `H_j += R H + p x R P`, and the same for mass
-    and first moment.
-
-    Accuracy: 1e-14 of the sum of the magnitudes that add up to each result.
-    """
+    and first moment. Accuracy: 1e-14 of the sum of the magnitudes that add up to each result."""
     each = momentum_of_bodies(parents, motions, inertias)
     P, H = [body[0] for body in each], [body[1] for body in each]
     m, mc = [body.m for body in inertias], [body.mc for body in inertias]

@@ -33,11 +33,8 @@ ARITHMETIC = {
 
 
 class Language(NamedTuple):
-    """How operations are written: what gives a value a name, and each operation.
-
-    Where it `reuses` names, one is given to another value when the first is needed no more: of arrays, that frees
-    memory.
-    """
+    """How operations are written: what gives a value a name, and each operation. Where it `reuses` names, one is given
+    to another value when the first is needed no more: of arrays, that frees memory."""
 
     statement: str
     forms: Mapping[str, str] = ARITHMETIC
@@ -239,13 +236,7 @@ def python_function(
     doc: docstring of the function of arrays.
     """
     lines, outputs = statements(program, PYTHON)
-    scalars = [
-        f"def _{name}({', '.join(widths)}):",
-        *lines,
-        "    return [",
-        *wrapped(outputs, 8),
-        "    ]",
-    ]
+    scalars = [f"def _{name}({', '.join(widths)}):", *lines, "    return [", *wrapped(outputs, 8), "    ]"]
     of_arrays = library.function.format(
         name=name,
         arguments=", ".join(widths),

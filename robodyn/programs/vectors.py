@@ -118,22 +118,17 @@ def skew(a: Array) -> Array:
 
 
 def rotation_about(axis: Array, angle: Scalar) -> Array:
-    """Rotation by `angle` [rad] about the unit vector `axis`: a a^T + cos (1 - a a^T) + sin [a] (Rodrigues).
-
-    Written so that the entries for a coordinate axis are exactly 0, 1, cos and +-sin.
-
-    Accuracy: each entry within 4 eps for a unit axis.
-    """
+    """Rotation by `angle` [rad] about the unit vector `axis`: a a^T + cos (1 - a a^T) + sin [a] (Rodrigues). Written so
+    that the entries for a coordinate axis are exactly 0, 1, cos and +-sin. Accuracy: each entry within 4 eps for a unit
+    axis."""
     along = np.outer(axis, axis)
     R: Array = along + (IDENTITY - along) * cos(angle) + skew(axis) * sin(angle)
     return R
 
 
 def rotation_from_quaternion(x: Scalar, y: Scalar, z: Scalar, w: Scalar) -> Array:
-    """Rotation of the quaternion w + x i + y j + z k of any length but zero (homogeneous form).
-
-    Accuracy: each entry within 8 eps.
-    """
+    """Rotation of the quaternion w + x i + y j + z k of any length but zero (homogeneous form). Accuracy: each entry
+    within 8 eps."""
     s = 2.0 / (x * x + y * y + z * z + w * w)
     sx, sy, sz = s * x, s * y, s * z
     xx, yy, zz = sx * x, sy * y, sz * z
@@ -160,10 +155,8 @@ def rotation_from_rpy(roll: float, pitch: float, yaw: float) -> Floats:
 
 
 def rpy_from_rotation(R: Floats) -> tuple[float, float, float]:
-    """Return roll, pitch and yaw of a rotation; where the pitch is a right angle, one of many.
-
-    Accuracy: `rotation_from_rpy` gives the rotation back within 8 eps.
-    """
+    """Return roll, pitch and yaw of a rotation; where the pitch is a right angle, one of many. Accuracy:
+    `rotation_from_rpy` gives the rotation back within 8 eps."""
     yaw = math.atan2(R[1, 0], R[0, 0])
     left = product(rotation_from_rpy(0.0, 0.0, -yaw), R)
     return math.atan2(-left[1, 2], left[1, 1]), math.atan2(-left[2, 0], left[0, 0]), yaw

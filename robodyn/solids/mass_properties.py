@@ -25,13 +25,7 @@ from numpy.typing import ArrayLike
 
 from robodyn.errors import InputError, MeshError
 from robodyn.programs.vectors import IDENTITY, ZERO
-from robodyn.solids.inertia.properties import (
-    MassProperties,
-    Pose,
-    composite,
-    from_integrals,
-    from_surface_integrals,
-)
+from robodyn.solids.inertia.properties import MassProperties, Pose, composite, from_integrals, from_surface_integrals
 from robodyn.solids.inertia.solids import WATER
 from robodyn.solids.inertia.validity import Box, around, counted_twice
 from robodyn.solids.mesh.closed import Fingerprint, is_one_shell
@@ -52,7 +46,6 @@ LONGEST = 20.0
 """Metres above which a part is suspected to be in millimetres: longer than any arm, shorter than a small part in mm."""
 _FLAT = 1e-12
 """Volume over area and width below which a shell may have no sign: ten times what `nesting` asks."""
-
 _COLLINEAR = 64 * float_info.epsilon
 """Area, over the square of the reach of the box, below which three corners may lie on a line: their edges from the
 reference are exact within 2 eps, and the products of these within 35 eps."""
@@ -227,11 +220,9 @@ def mass_properties(
 
 
 def is_sound(triangles: Triangles, integrals: Integrals, edges: Fingerprint) -> bool:
-    """Return whether `robodyn.solids.mesh.repair` is sure to find nothing to do and nothing to say.
-
-    So it is where the surface has no boundary, a volume that is positive beyond doubt, no triangle without area, and
-    is one shell with exactly two triangles on every edge.
-    """
+    """Return whether `robodyn.solids.mesh.repair` is sure to find nothing to do and nothing to say. So it is where the
+    surface has no boundary, a volume that is positive beyond doubt, no triangle without area, and is one shell with
+    exactly two triangles on every edge."""
     size = (integrals.hi - integrals.lo).max()
     return (
         edges.closed
@@ -265,11 +256,9 @@ class Measured(NamedTuple):
 def measured(
     triangles: Triangles, *, exact: bool = False, repair: bool = True, strict: bool = False, cavities: bool = False
 ) -> Measured:
-    """Return the surface as it is if it is proven sound, or if no repair is wanted; else put right and closed.
-
-    Options as of `mass_properties`; raises MeshError where the surface needs repair and that is not wanted, or cannot
-    be closed.
-    """
+    """Return the surface as it is if it is proven sound, or if no repair is wanted; else put right and closed. Options
+    as of `mass_properties`; raises MeshError where the surface needs repair and that is not wanted, or cannot be
+    closed."""
     if strict and triangles.warnings:
         remedy = "--strict refuses what is doubtful"
         raise MeshError("; ".join(triangles.warnings), remedy=remedy, file=triangles.name)
@@ -310,13 +299,10 @@ def _solid(found: VolumeIntegrals, triangles: Triangles, density: float) -> Mass
 
 SYMMETRY_TRIANGLES = 30_000
 """Up to which symmetry is sought unasked: a tenth of a second on most parts of that size."""
-
 TESSELLATION_TRIANGLES = 100_000
 """Up to which facets are asked unasked: a tenth of a second."""
-
 _LARGEST = 1 << 24
 """Bytes of an array that may be needed again and again: new memory for each would be a sixth of the time."""
-
 _UNDEFINED = "symmetry and tessellation: not of sheets, and not of surfaces that are open or overlap themselves"
 
 
@@ -330,10 +316,8 @@ def _shape(
     fixed_mass: bool,
 ) -> tuple[Symmetry | None, Tessellation | None, tuple[str, ...]]:
     """Return symmetry, in metres, and tessellation error of a mesh, None where they are not sought; notes say why.
-
     even, smooth: whether to seek symmetry, to ask facets, None where triangles are few; defined: whether the integrals
-    are those of what the mesh encloses.
-    """
+    are those of what the mesh encloses."""
     if not defined:
         return None, None, () if (even, smooth) == (False, False) else (_UNDEFINED,)
     seek, notes_even = _wanted("symmetry", even, integrals.count, SYMMETRY_TRIANGLES)

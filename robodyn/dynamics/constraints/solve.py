@@ -120,11 +120,9 @@ def _weight(joint: Joint, scene: Scene) -> float:
 def touching(
     plan: Plan, q: Floats, qd: Floats, time: Floats | None, columns: Mapping[str, Floats], executor: str = "auto"
 ) -> Mask:
-    """Return (N, K) which points touch, contact after contact; InputError for a column or a time that is missing.
-
-    With AUTO each point by itself touches where it is at most `height` above the plane `normal . p = level` and slower
-    than `speed`; otherwise a contact touches with all of its points.
-    """
+    """Return (N, K) which points touch, contact after contact; InputError for a column or a time that is missing. With
+    AUTO each point by itself touches where it is at most `height` above the plane `normal . p = level` and slower than
+    `speed`; otherwise a contact touches with all of its points."""
     contacts, at = plan.scene.contacts, 0
     found = np.zeros((len(q), sum(len(contact.points) for contact in contacts)), dtype=bool)
     here = contact_jacobian(plan, q, qd, executor) if any(contact.on == AUTO for contact in contacts) else None

@@ -29,11 +29,9 @@ class Projected(NamedTuple):
 
 
 def projected(z: Array, normal: Array, cosine: Scalar, sine: Scalar) -> Projected:
-    """The projection of z onto the cone |f_t| cos <= f_n sin of half angle atan(mu), mu = sine / cosine.
-
-    Inside, 0, or onto the ray (z . u) u with u = sin e + cos n, e being the direction of the tangential part of z. A
-    half space and a ray are cones too.
-    """
+    """The projection of z onto the cone |f_t| cos <= f_n sin of half angle atan(mu), mu = sine / cosine. Inside, 0, or
+    onto the ray (z . u) u with u = sin e + cos n, e being the direction of the tangential part of z. A half space and a
+    ray are cones too."""
     press = z @ normal
     tangential = z - normal * press
     t = sqrt(tangential @ tangential + TINY)
@@ -131,7 +129,6 @@ NARROW = 0.1
 """A search also ends where this part of the length is left, as at kinks of the slope."""
 MARGIN = 0.1
 """The part of what is left that each look at least takes away."""
-
 TOWARDS = 0.2
 """Where to look between the ends once the same one has moved twice."""
 
@@ -156,10 +153,8 @@ def begun(slope: Floats) -> Search:
 
 
 def narrowed(search: Search, slope: Floats, lower: Any) -> Search:
-    """Return the search after a look: where a line between the slopes is 0, or nearer to an end that stays.
-
-    `lower` is whether the function fell by enough at a point of this slope.
-    """
+    """Return the search after a look: where a line between the slopes is 0, or nearer to an end that stays. `lower` is
+    whether the function fell by enough at a point of this slope."""
     right = (slope >= 0.0) | ~lower
     side = np.where(right, 1.0, -1.0)
     low, high = np.where(right, search.low, search.length), np.where(right, search.length, search.high)
@@ -246,12 +241,9 @@ def least_forces(cones: Cones, executor: str = "auto", expected: int = 0) -> tup
 
 
 class _State(NamedTuple):
-    """Of each sample that is not done, its place among all, and `stage`, its place in SOFTNESS, or more.
-
-    at, centre, step (R, N): nu, c and the step that is searched along; value, gradient, residual (N,): psi, |its
-    gradient| and |b - G f| at nu; best: the residual where the stage began; soft (R, N): nu at the end of the last
-    stage of SOFTNESS.
-    """
+    """Of each sample that is not done, its place among all, and `stage`, its place in SOFTNESS, or more. at, centre,
+    step (R, N): nu, c and the step that is searched along; value, gradient, residual (N,): psi, |its gradient| and |b -
+    G f| at nu; best: the residual where the stage began; soft (R, N): nu at the end of the last stage of SOFTNESS."""
 
     sample: Any
     stage: Any

@@ -380,9 +380,7 @@ def centre_of_pressure(points: Floats, normal: Floats, forces: Floats) -> tuple[
 
 def friction_used(forces: Floats, normal: Floats, friction: float) -> Floats:
     """Return sum |f_t| / (mu sum f_n) over the points of a contact, 1 being all that there is; forces: (..., K, 3).
-
-    Where nothing presses it is not a number; where mu is 0 it is 0 or infinite.
-    """
+    Where nothing presses it is not a number; where mu is 0 it is 0 or infinite."""
     press = einsum("...i,i->...", forces, normal)
     across = forces - press[..., None] * normal
     along = np.sqrt(einsum("...i,...i->...", across, across)).sum(axis=-1)

@@ -56,11 +56,8 @@ def direction(qd: Scalar, slip_speed: float = 0.0) -> Scalar:
 
 def coulomb_torque(friction: Friction, qd: Scalar, slip_speed: float = 0.0) -> Scalar:
     """`forward` for qd > 0, `backward` for qd < 0, 0 at rest; with Stribeck's excess towards `stribeck` at low speed [N
-    m or N].
-
-    `(forward - backward) / 2 s + (forward + backward) / 2 s^2`, s being `direction`; and `(stribeck - Coulomb) exp(-(qd
-    / v_s)^2)` with the same sign.
-    """
+    m or N]. `(forward - backward) / 2 s + (forward + backward) / 2 s^2`, s being `direction`; and `(stribeck - Coulomb)
+    exp(-(qd / v_s)^2)` with the same sign."""
     s = direction(qd, slip_speed)
     odd, even = 0.5 * (friction.forward - friction.backward), 0.5 * (friction.forward + friction.backward)
     coulomb = odd * s + even * (s * s)

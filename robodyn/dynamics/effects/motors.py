@@ -220,11 +220,9 @@ def angular_momentum(sample: Sample, scene: Scene, motions: list[Motion]) -> Arr
 
 
 class GyroscopicMoment(Effect):
-    """The moment of a rotor that turns at G qd about an axis a that is fixed in the link that carries it.
-
-    Its angular momentum relative to that link is `h = J G qd a`, and its kinetic energy adds `J G qd (a . w)` to that
-    of its spin alone; what it has as part of the link belongs to the link's inertia.
-    """
+    """The moment of a rotor that turns at G qd about an axis a that is fixed in the link that carries it. Its angular
+    momentum relative to that link is `h = J G qd a`, and its kinetic energy adds `J G qd (a . w)` to that of its spin
+    alone; what it has as part of the link belongs to the link's inertia."""
 
     name = "gyroscopic moment"
     adds = "J G (qdd a + w x qd a) to the link that carries a rotor, and J G (a . wd) to its joint, where a is said"

@@ -156,11 +156,9 @@ class Branch:
         return Corrected(q, J, change, longest <= DONE)
 
     def along(self, place: Floats, q: Floats) -> Lost | None:
-        """Fill in what follows, from sample to sample; return where that ends, None where it does not.
-
-        Each step takes the samples up to LONGEST away, on the tangent at the last place, which is first `place` (nq,)
-        on the loops, bent as its curvature says; where Newton's method leads farther from there, the step is halved.
-        """
+        """Fill in what follows, from sample to sample; return where that ends, None where it does not. Each step takes
+        the samples up to LONGEST away, on the tangent at the last place, which is first `place` (nq,) on the loops,
+        bent as its curvature says; where Newton's method leads farther from there, the step is halved."""
         reached = np.concatenate(((0.0,), np.cumsum(self._length(self._between(q[:-1], q[1:])))))
         k, steps, longest, J = 0, 0, LONGEST, self.equations.places(place[None])[1][0]
         while k < len(q):
@@ -193,10 +191,8 @@ class Branch:
         return None
 
     def _step(self, place: Floats, J: Floats, moves: Floats, targets: Floats) -> Corrected | None:
-        """Return samples on the loops, closed where that is near what was predicted of moves (N, given rates).
-
-        The prediction is u = D v + u'' / 2 with J_d u'' = -J' (v, D v); None where J_d does not determine it.
-        """
+        """Return samples on the loops, closed where that is near what was predicted of moves (N, given rates). The
+        prediction is u = D v + u'' / 2 with J_d u'' = -J' (v, D v); None where J_d does not determine it."""
         equations = self.equations
         inverse, ratio = pseudo_inverse(J[None][:, :, self.followed])
         if ratio[0] <= FEW:
@@ -239,11 +235,8 @@ class Branch:
 
 def search(branch: Branch, q: Floats, near: Floats, tolerance: float) -> tuple[Floats, str]:
     """Return closed configurations (k, nq) with the given coordinates of q (nq,), and in words the least that loops
-    miss by, `tolerance` in rad or of the loops' size being none.
-
-    Those within the limits and nearest to `near` (nq,) come first. Newton's method looks from displacements of what
-    follows up to half a turn, or twice the loops' size.
-    """
+    miss by, `tolerance` in rad or of the loops' size being none. Those within the limits and nearest to `near` (nq,)
+    come first. Newton's method looks from displacements of what follows up to half a turn, or twice the loops' size."""
     equations, own = branch.equations, branch.coordinates
     reach = np.where(equations.shifts, 2.0 * equations.size, np.pi)
     moves = np.random.default_rng(0).uniform(-1.0, 1.0, (STARTS, equations.model.n)) * reach

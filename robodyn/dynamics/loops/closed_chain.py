@@ -226,9 +226,7 @@ class ClosedChain:
 
     def settled(self, q: Sequence[Scalar], qd: Sequence[Scalar]) -> tuple[list[Scalar], list[Scalar]]:
         """The state on the loops that is nearest in kinetic energy, for any scalar; with Baumgarte's terms, the same.
-
-        `M u - J^T mu = 0`, `J u = -phi` for positions, twice with the J of the first; `J u = -phi'` for speeds.
-        """
+        `M u - J^T mu = 0`, `J u = -phi` for positions, twice with the J of the first; `J u = -phi'` for speeds."""
         if self.scene.baumgarte:
             return list(q), list(qd)
         first = self.sample(q, qd)

@@ -149,7 +149,6 @@ class Twist(NamedTuple):
 
 class Relative(NamedTuple):
     """The link in the axes of the other: its point d from the other's, its axes B, how both move, and by which joints.
-
     `speed` and `bias` are (w, v), and its rate where no coordinate accelerates; `columns`, by rate, what a unit does.
     """
 

@@ -8,17 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from robodyn.dynamics.initial_state import check_dropped, nearby
-from robodyn.dynamics.loops.branch import (
-    FEW,
-    OFF,
-    UNREACHED,
-    Branch,
-    begin,
-    block_equations,
-    given,
-    search,
-    singular,
-)
+from robodyn.dynamics.loops.branch import FEW, OFF, UNREACHED, Branch, begin, block_equations, given, search, singular
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import Caveat, TrajectoryError
 from robodyn.programs.linear import pseudo_inverse
@@ -28,12 +18,10 @@ RATES = ("", "/s", "/s^2")
 SHARE = 0.05
 """Of the largest sum of |J_k qd_k| along the motion, or of |J_k qdd_k| and |J_k qd_k| max |qd|: rates that miss by more
 are not those of a closed chain."""
-
 NOTED = 1e-3
 """rad, or of the loops' size, from which on it is said that loops are open."""
 ENTRIES = 2_000_000
 """Of J in one piece of a block: some 50 MB of work."""
-
 ROUNDING = 1e-12
 """Of the largest sum of terms in a sample: what is smaller is what rounding leaves of a rate that is 0."""
 BACK = 1e-4

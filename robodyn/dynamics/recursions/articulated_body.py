@@ -106,11 +106,9 @@ class Elimination:
         return Solved(inverse * u, V, coupling)
 
     def axis(self, i: int, axis: int, rate: int, name: str) -> None:
-        """Eliminates the motion of body i along an axis by a coordinate of its own.
-
-        The row and the column of the axis become what a rotor leaves of them: without one exactly 0, so that nothing
-        cancels, and six axes in turn are the factorisation L D L^T of a free body.
-        """
+        """Eliminates the motion of body i along an axis by a coordinate of its own. The row and the column of the axis
+        become what a rotor leaves of them: without one exactly 0, so that nothing cancels, and six axes in turn are the
+        factorisation L D L^T of a free body."""
         U, columns, force, rotor = self.A[i][axis], self.G[i], self.u[rate], self.D[rate, rate]
         crossing = {other: column[axis] for other, column in columns.items()}
         self.join(i, axis, rate, 1.0)

@@ -71,10 +71,8 @@ def inertial_wrenches(
 
 def euler(I: Array, w: Array, wd: Array) -> Array:
     """Return the moment I wd + w x (I w) that turns a body: Euler's second law about its mass centre or a fixed point.
-
     By entries of I, in the body's axes: 30 operations instead of 42, and few for a diagonal I. Accuracy: 8 eps (|I|
-    |wd| + |I| |w|^2).
-    """
+    |wd| + |I| |w|^2)."""
     (xx, xy, xz), (_, yy, yz), (_, _, zz) = I
     x, y, z = w
     dx, dy, dz = wd
@@ -95,11 +93,8 @@ def joint_torques(
     model: Model, motions: Sequence[Motion], reactions: Sequence[Wrench], at_joint: Mapping[int, Scalar]
 ) -> list[Scalar]:
     """Return the generalized force along every coordinate: tau = S^T (f, n) + what acts at the joint itself,
-    `at_joint`.
-
-    A floating joint gives the moment in the body's axes and the force in the parent's, which are dual to its rates. A
-    mimic joint's torque is reflected onto its leader by its multiplier.
-    """
+    `at_joint`. A floating joint gives the moment in the body's axes and the force in the parent's, which are dual to
+    its rates. A mimic joint's torque is reflected onto its leader by its multiplier."""
     tau: list[Scalar] = [0.0] * model.n
     for i, body in enumerate(model.bodies):
         joint, reaction = body.joint, reactions[i]

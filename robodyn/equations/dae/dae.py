@@ -225,13 +225,9 @@ def dae(model: Model, scene: Scene = DEFAULT, at: Values | None = None, qd: Valu
 
 
 def closed_state(model: Model, scene: Scene, at: Values | None, qd: Values) -> tuple[Floats, Floats]:
-    """q and qd that close the loops: what is given stays, if the other coordinates alone can close them.
-
-    What is not given (`at` None: nothing) begins at the scene's initial values. InputError where the loops do not close
-    near there.
-
-    Accuracy: 1e-13 m or rad, for links of up to a metre.
-    """
+    """q and qd that close the loops: what is given stays, if the other coordinates alone can close them. What is not
+    given (`at` None: nothing) begins at the scene's initial values. InputError where the loops do not close near there.
+    Accuracy: 1e-13 m or rad, for links of up to a metre."""
     q, asked_q = begun(model.coordinates, configuration(model, () if at is None else at), at, scene.initial_q)
     speeds, asked_qd = begun(model.rates, rates(model, qd), qd, scene.initial_qd)
     asked = plan(model, replace(scene, initial_q=asked_q, initial_qd=asked_qd))
@@ -301,11 +297,8 @@ def independent_rows(rows: Floats, first: int = 0) -> NDArray[np.bool_]:
 
 
 def counted(system: System, rows: Floats, independent: NDArray[np.bool_], left: Reduced) -> Counts:
-    """Return the counts.
-
-    With r independent rows of G and the mass matrix H of the motions that they leave, the coefficients (M, G^T) of
-    accelerations and reactions have the rank r + rank H, and together with (G, 0) r more.
-    """
+    """Return the counts. With r independent rows of G and the mass matrix H of the motions that they leave, the
+    coefficients (M, G^T) of accelerations and reactions have the rank r + rank H, and together with (G, 0) r more."""
     names = [(c.name, reaction) for c in system.connections for reaction in c.reactions]
     r = int(independent.sum())
     undetermined: list[int] = []
@@ -323,10 +316,8 @@ def counted(system: System, rows: Floats, independent: NDArray[np.bool_], left: 
 
 
 def solved(found: Matrices, independent: NDArray[np.bool_]) -> Solution:
-    """a and reactions of `M a - G^T reactions = f`, `G a = gamma`, redundant rows of G left out: they have none.
-
-    What the first solution misses is solved for again: so small reactions are as good beside large ones.
-    """
+    """a and reactions of `M a - G^T reactions = f`, `G a = gamma`, redundant rows of G left out: they have none. What
+    the first solution misses is solved for again: so small reactions are as good beside large ones."""
     G, n, m = found.G[independent], len(found.f), int(independent.sum())
     K, right = np.block([[found.M, G.T], [G, np.zeros((m, m))]]), np.concatenate((found.f, found.gamma[independent]))
     x = np.linalg.solve(K, right)
@@ -405,11 +396,9 @@ def steps(system: System, left: Reduced, solution: Solution | None) -> Iterator[
 
 
 def compared(system: System, solution: Solution, qdd: Floats, wrenches: Sequence[Wrench]) -> Comparison:
-    """Return the solution of the saddle-point system beside what recursions make of the same state.
-
-    qdd by articulated bodies, or with loops by `robodyn.dynamics.loops`; then the recursion of forces, in which what
-    loops carry are loads.
-    """
+    """Return the solution of the saddle-point system beside what recursions make of the same state. qdd by articulated
+    bodies, or with loops by `robodyn.dynamics.loops`; then the recursion of forces, in which what loops carry are
+    loads."""
     model, scene, sample, (a, reactions) = system.model, system.scene, system.sample, solution
     if scene.loops:
         chain = closed_chain(plan(model, scene)).resisting()

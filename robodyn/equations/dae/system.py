@@ -359,11 +359,9 @@ class System:
         return Matrices(M, f, G, gamma, S, sigma, along, armature)
 
     def joint_wrenches(self, a: Floats, reactions: Floats) -> list[Wrench]:
-        """Return the force and moment that each body's parent exerts on it, about its origin, drives included.
-
-        The reactions of its joint's equations; along the joint's coordinates what acts there, less `J (S a + sigma)`
-        for a rotor, and the reactions of the mimic rules that it takes part in.
-        """
+        """Return the force and moment that each body's parent exerts on it, about its origin, drives included. The
+        reactions of its joint's equations; along the joint's coordinates what acts there, less `J (S a + sigma)` for a
+        rotor, and the reactions of the mimic rules that it takes part in."""
         found = self.matrices
         along = found.along - found.armature @ (found.S @ a + found.sigma)
         first = sum(len(joint.equations) for joint in self.joints)

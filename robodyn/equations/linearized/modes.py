@@ -143,10 +143,8 @@ class Split(NamedTuple):
 
 def split(found: SmallMotion) -> Split:
     """Return what nothing holds: no stiffness above 5e-10 of what the robot's weight can make at each joint.
-
     Coordinates are scaled so that this, or a joint's own stiffness where that is larger, is 1. Of a state that moves
-    nothing is split off.
-    """
+    nothing is split off."""
     k = len(found.M)
     inertia = np.abs(np.diag(found.M))
     stiff = np.maximum(found.weight, np.abs(np.diag(found.stiffness)))
@@ -234,10 +232,8 @@ def _held(found: SmallMotion, parts: Split) -> list[Mode]:
 
 def _sparse(columns: Complexes) -> Complexes:
     """Return the basis of the same space (n, k) in which k of its entries are one in a column and zero in the others.
-
     The entries are those with the largest parts of the space, the first of equals: no rounding chooses the basis. One
-    whose columns are dependent within rounding, of a defective eigenvalue, stays as it is.
-    """
+    whose columns are dependent within rounding, of a defective eigenvalue, stays as it is."""
     if columns.shape[1] < 2:
         return columns
     left = np.linalg.qr(columns / _lengths(columns))[0]

@@ -43,7 +43,6 @@ MOST_KEPT = 1 << 22
 """Bytes of results that are written into the caches: more would drive each other out before they are read."""
 THREAD_WORK = 1 << 21
 """Operations that are worth a thread of their own: some 50 microseconds."""
-
 LINE = 8
 """Numbers of 64 bits in a line of the cache."""
 _KERNEL = ctypes.PYFUNCTYPE(ctypes.c_int64, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64)
@@ -128,10 +127,8 @@ class CompiledBlocks:
 
     def _few(self, sources: Mapping[str, Numbers], samples: int, out: Numbers) -> bool:
         """Write the results of few samples, unless one is flagged or an array is another; return whether that is done.
-
         One call of the kernel, which keeps Python's lock: to hand it over and get it back may take longer than the
-        work. It sees groups of samples as in any other run, so the results are the same to the bit.
-        """
+        work. It sees groups of samples as in any other run, so the results are the same to the bit."""
         rooms = self._rooms[samples]
         try:
             room = rooms.pop()  # taken out while it is in use, so that two threads never share it
@@ -228,10 +225,8 @@ def _driver(scalar: str) -> Function:
 
 
 def in_pool(part: Callable[[int], object], threads: int) -> None:
-    """Call part(0), part(1) and so on at a time, the first in this thread; the first leaves nothing for later ones.
-
-    So those that have not begun when it ends need not begin at all: nobody waits for a thread that is late.
-    """
+    """Call part(0), part(1) and so on at a time, the first in this thread; the first leaves nothing for later ones. So
+    those that have not begun when it ends need not begin at all: nobody waits for a thread that is late."""
     others = [_pool(os.getpid()).submit(part, number) for number in range(1, threads)]
     try:
         part(0)

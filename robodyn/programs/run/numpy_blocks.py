@@ -14,7 +14,6 @@ from robodyn.programs.scalar import ADD, CONSTANT, COS, DIV, EXP, INPUT, MUL, NE
 Numbers = NDArray[np.floating[Any]]
 
 COPY = "copy"
-
 UFUNCS: dict[str, Any] = {
     ADD: np.add,
     SUB: np.subtract,
@@ -31,18 +30,14 @@ UFUNCS: dict[str, Any] = {
 
 CACHE_BYTES = 8 << 20
 """The rows of one block may fill this much: the last-level cache of a small machine."""
-
 SMALLEST, LARGEST = 256, 4096
 """Samples per block: enough to hide NumPy's cost per call, few enough to stay near the core."""
 
 
 class NumpyBlocks:
-    """A program made ready to run on arrays of samples.
-
-    The workspace has a row per output, then a row per column of every source, then rows for what lies between, each
-    reused as soon as its value has been used for the last time, so that a block of samples stays in the cache. The
-    last workspace is kept for the next call.
-    """
+    """A program made ready to run on arrays of samples. The workspace has a row per output, then a row per column of
+    every source, then rows for what lies between, each reused as soon as its value has been used for the last time, so
+    that a block of samples stays in the cache. The last workspace is kept for the next call."""
 
     def __init__(self, program: Program, widths: Mapping[str, int], dtype: Any = np.float64) -> None:
         """
@@ -99,10 +94,8 @@ class NumpyBlocks:
         return result
 
     def _prepared(self, size: int) -> tuple[Numbers, list[tuple[Any, tuple[Any, ...]]]]:
-        """Return a workspace for blocks of `size` samples, and the calls that fill it.
-
-        Its rows start on cache lines, and their stride is no power of two (they would share sets of the cache).
-        """
+        """Return a workspace for blocks of `size` samples, and the calls that fill it. Its rows start on cache lines,
+        and their stride is no power of two (they would share sets of the cache)."""
         line = 64 // self.dtype.itemsize
         stride = -(-size // line) * line + line
         raw = np.ones(self.rows * stride + line, self.dtype)

@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from robodyn.programs.run.compiled_blocks import CompiledBlocks
 
 EXECUTORS = ("auto", "numpy", "compiled")
-
 NUMPY = 6e-10
 """Seconds of NumPy per operation and sample, on a server processor of 2023 with AVX-512."""
 CALL = 4e-7
@@ -80,7 +79,6 @@ def choice(work: Work) -> Choice:
 
 PAIRS = "double-double"
 """The name of an executor that is never chosen by itself."""
-
 AS_ASKED = {executor: Choice(executor, "as asked") for executor in (*EXECUTORS, PAIRS)}
 READY = Choice("compiled", "its machine code is ready")
 

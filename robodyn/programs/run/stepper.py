@@ -215,9 +215,7 @@ class CompiledSteps:
 
     def __call__(self, slots: Floats, every: int, columns: Floats | None = None) -> Done:
         """Fill the slots (records + 1, width, rollouts) from the first on, `every` steps from one record to the next.
-
-        They are contiguous, of a multiple of `lanes` rollouts; columns (steps, columns) are given to all of these.
-        """
+        They are contiguous, of a multiple of `lanes` rollouts; columns (steps, columns) are given to all of these."""
         records, width, samples = len(slots) - 1, *slots.shape[1:]
         spare = np.empty((4, width + 1, samples))
         table, flags = np.empty(2 * width + 1 + self.columns, np.int64), np.zeros(samples, np.uint8)

@@ -51,10 +51,8 @@ def symmetric(entries: Iterable[Scalar]) -> Array:
 
 
 def inertia_matrix(S: Floats) -> Floats:
-    """I = tr(S) 1 - S, the inertia matrix of second moments S = integral of x x^T dm about the same point.
-
-    Accuracy: each entry within eps / 2.
-    """
+    """I = tr(S) 1 - S, the inertia matrix of second moments S = integral of x x^T dm about the same point. Accuracy:
+    each entry within eps / 2."""
     I = 0.0 - S  # diagonal entries are sums of two, so that those of a needle keep their digits
     for i in range(3):
         I[i, i] = S[i - 1, i - 1] + S[i - 2, i - 2]
@@ -63,17 +61,13 @@ def inertia_matrix(S: Floats) -> Floats:
 
 def principal_moments(second: Floats) -> Floats:
     """I_1 = s_2 + s_3, I_2 = s_1 + s_3, I_3 = s_1 + s_2: ascending, of second moments along principal axes descending.
-
-    Accuracy: each within eps / 2.
-    """
+    Accuracy: each within eps / 2."""
     return np.array([second[i - 2] + second[i - 1] for i in range(3)])
 
 
 def second_moments(I: Array) -> Array:
-    """S = tr(I) / 2 1 - I, the inverse of `inertia_matrix`.
-
-    Accuracy: exact for fractions; of floats each entry within 2 eps of the largest moment of inertia.
-    """
+    """S = tr(I) / 2 1 - I, the inverse of `inertia_matrix`. Accuracy: exact for fractions; of floats each entry within
+    2 eps of the largest moment of inertia."""
     half = I / 2
     S: Array = 0 * I - I
     for i in range(3):
@@ -127,10 +121,8 @@ def combined(bodies: Iterable[Inertia]) -> Inertia:
 
 
 def parallel_axis(I_c: Array, m: Scalar, d: Array) -> Array:
-    """I = I_c + m (|d|^2 1 - d d^T), the inertia about a point at distance d from the centre of mass.
-
-    The parallel axis theorem of Huygens and Steiner; d (3,) [m] and I_c (3, 3) [kg m^2] in the same axes.
-    """
+    """I = I_c + m (|d|^2 1 - d d^T), the inertia about a point at distance d from the centre of mass. The parallel axis
+    theorem of Huygens and Steiner; d (3,) [m] and I_c (3, 3) [kg m^2] in the same axes."""
     return inertia_of(m, d, I_c).I
 
 

@@ -182,10 +182,8 @@ class MassProperties:
 
     @property
     def inertia(self) -> Floats:
-        """I_c = tr(S_c) 1 - S_c, the inertia matrix about the centre of mass [kg m^2].
-
-        Accuracy: each entry within eps of itself if no second moment is negative.
-        """
+        """I_c = tr(S_c) 1 - S_c, the inertia matrix about the centre of mass [kg m^2]. Accuracy: each entry within eps
+        of itself if no second moment is negative."""
         return inertia_matrix(self.S_c)
 
     def about(self, point: Array) -> Floats:
@@ -208,12 +206,9 @@ class MassProperties:
         return float((self.principal.moments.max() / self.mass) ** 0.5) if self.mass > 0 else 0.0
 
     def placed(self, R: Array, p: Array) -> MassProperties:
-        """The body in the outer frame in which its own stands at rotation R and origin p: c -> R c + p, S -> R S R^T.
-
-        A reflection R gives the mirror image; InputError if it is not orthogonal within 1e-9.
-
-        Accuracy: for R and p as given, `com` correctly rounded and S_c + S_low within 2^-106, entry by entry.
-        """
+        """The body in the outer frame in which its own stands at rotation R and origin p: c -> R c + p, S -> R S R^T. A
+        reflection R gives the mirror image; InputError if it is not orthogonal within 1e-9. Accuracy: for R and p as
+        given, `com` correctly rounded and S_c + S_low within 2^-106, entry by entry."""
         com, S = self.carried(R, p)
         return self._with(S, com=com)
 
@@ -271,11 +266,9 @@ def composite(parts: Iterable[tuple[MassProperties, Pose]]) -> MassProperties:
 
 
 def from_inertia(mass: float, com: ArrayLike, I_c: ArrayLike) -> MassProperties:
-    """Return the body with this inertia matrix about its centre of mass, as a URDF or a data sheet gives it.
-
-    Accuracy: S_c + S_low within 2^-106 of tr(I_c) / 2 1 - I_c, entry by entry; of a plate or a needle the smallest
-        second moment is as good as the digits of I_c.
-    """
+    """Return the body with this inertia matrix about its centre of mass, as a URDF or a data sheet gives it. Accuracy:
+    S_c + S_low within 2^-106 of tr(I_c) / 2 1 - I_c, entry by entry; of a plate or a needle the smallest second moment
+    is as good as the digits of I_c."""
     return MassProperties(mass, np.asarray(com), second_moments(exact(I_c)))
 
 
@@ -345,11 +338,9 @@ def from_surface_integrals(
 
 
 def inertial_element(body: MassProperties) -> str:
-    """Return the <inertial> element of a link, about the centre of mass in the axes of the link's frame.
-
-    Numbers are the shortest that read back as the same floats; `ixy` and so on are entries of the inertia matrix,
-    -integral of x y dm. Five lines, the last without a line break.
-    """
+    """Return the <inertial> element of a link, about the centre of mass in the axes of the link's frame. Numbers are
+    the shortest that read back as the same floats; `ixy` and so on are entries of the inertia matrix, -integral of x y
+    dm. Five lines, the last without a line break."""
     entries = zip(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), body.inertia[np.triu_indices(3)].tolist(), strict=True)
     inertia = " ".join(f'{name}="{entry!r}"' for name, entry in entries)
     return (

@@ -20,7 +20,6 @@ from robodyn.support.floats import Floats
 
 FREQUENCIES = 8
 """Highest order of the moments about an axis."""
-
 _HEIGHTS = 3
 _BLOCK, _SMALL_BLOCK = 2048, 512
 _UPPER = np.triu_indices(3)
@@ -40,10 +39,8 @@ class CentralMoments:
     tensors: tuple[Array, Array, Array]
 
     def least_asymmetry(self, Q: Array) -> float:
-        """Return a lower bound of vol(A xor Q A) / 2V, for an orthogonal map Q about the centre.
-
-        |M - Q M| <= vol(A xor Q A) max|f|, for the moment M of each product f of coordinates.
-        """
+        """Return a lower bound of vol(A xor Q A) / 2V, for an orthogonal map Q about the centre. |M - Q M| <= vol(A xor
+        Q A) max|f|, for the moment M of each product f of coordinates."""
         bound = 0.0
         for order, M in enumerate(self.tensors, start=2):
             image = M
@@ -115,9 +112,7 @@ def determinants(corners: Array) -> Floats:
 
 def sixth_moments(corners: Array) -> Array:
     """(3, 3, 3, 3, 3, 3) integrals of products of six coordinates over the tetrahedra from the origin to triangles.
-
-    Lengths are in units of the largest distance of a corner.
-    """
+    Lengths are in units of the largest distance of a corner."""
     reach = np.sqrt((corners**2).sum(axis=2).max())
     sums = np.zeros((27, 27))
     for start in range(0, len(corners), _SMALL_BLOCK):
@@ -174,17 +169,12 @@ class TriangleSet:
 
 
 GOLDEN_TURN = pi * (3 - 5**0.5)
-
 COARSE = 0.03
 """Above this an asymmetry need not be known well."""
-
 _SAME = 1e-6
 """Moments of the same triangles differ by less."""
-
 _TINY = 1e-8
-
 _CLEAR = 1.5
-
 _OBLIQUE = np.array((0.48, 0.6, 0.64))
 
 

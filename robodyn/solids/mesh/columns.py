@@ -20,7 +20,6 @@ Integers = NDArray[np.int64]
 
 COLUMNS = 4096
 """Columns over the shadow's box."""
-
 _GOLDEN = (sqrt(5) - 1) / 2
 _BELOW_ONE = 1 - 2.0**-20
 _TURN = 0.6180339887
@@ -29,7 +28,6 @@ _TURN = 0.6180339887
 
 _ORDERS = np.array([(0, 1, 2), (1, 0, 2), (0, 2, 1), (0, 1, 2), (0, 1, 2), (1, 2, 0), (2, 0, 1), (2, 1, 0)]).T
 """Corners in ascending order, by whether 0 > 1, 1 > 2 and 0 > 2 as bits 1, 2 and 4."""
-
 _DOWN = np.where((_ORDERS[1] - _ORDERS[0]) % 3 == 1, -1, 1)
 """-1 where that order is the one of the winding."""
 
@@ -79,11 +77,9 @@ class Lattice:
         return self.corner[0] + (place + 1 - shift) * self.step, self.corner[1] + (line + 0.5) * self.step
 
     def hits(self, corners: Floats) -> Hits:
-        """Return where the columns meet triangles (m, 3, 3).
-
-        Which columns an edge has on its left is decided once for the edge, and so the same way in both its triangles:
-        the signs of each column add up to zero on every closed surface.
-        """
+        """Return where the columns meet triangles (m, 3, 3). Which columns an edge has on its left is decided once for
+        the edge, and so the same way in both its triangles: the signs of each column add up to zero on every closed
+        surface."""
         X = corners.T
         v = _along(X, self.frame[1])
         row = np.clip(np.floor((v - self.corner[1]) / self.step + 0.5), 0, self.rows).astype(np.int32)
@@ -168,31 +164,22 @@ def _counted(counts: Integers) -> tuple[Integers, Integers]:
 
 _UNION_COLUMNS = 16384
 """In each direction, through surfaces that are closed."""
-
 LARGEST_BAR = 0.15
 """Above which an open surface has no definite volume: a sphere without a seventh has one, a box without a side not."""
-
 _NEARLY = np.array([(0.8203, -0.4115, 0.3971), (0.2391, 0.8770, 0.4168), (-0.5198, -0.2469, 0.8178)])
 DIRECTIONS = [direction / length(direction) for direction in _NEARLY]
 """Three unit vectors nearly at right angles, and along nothing that a part has."""
-
 _TOUCH = 1e-11
 """Volume that bodies may share, of the volume of all, and still only touch."""
-
 _HITS = 5e5
 """Of columns with a surface, at most, about: each takes some 600 bytes."""
-
 _ANGLES = 4e6
 """Solid angles of caps that are taken in each direction, about."""
-
 _FEWEST, _MOST = 64, 4096
 """Columns in each direction through an open surface."""
-
 _TOO_MANY = 6
 """Times as many are not taken; nothing definite is said then."""
-
 _LEVELS = 1 / 2, 1 / 3, 2 / 3
-
 _BRACKET = 2.0
 """Error bar of an open region over the volume between the winding numbers 1/3 and 1/2, or 1/2 and 2/3."""
 
@@ -268,9 +255,7 @@ def by_winding_numbers(mesh: Indexed, caps: Numbers) -> Quadrature | None:
 
 def _beyond_caps(closed: Floats, caps: Indexed, direction: Floats) -> list[Floats] | None:
     """(4, 4) of each level, what has a larger winding number without caps, less what has a positive one with them.
-
-    Parts of columns between hits are cut into cells, each of which is judged by the winding number in its middle.
-    """
+    Parts of columns between hits are cut into cells, each of which is judged by the winding number in its middle."""
     count = _MOST
     while True:
         lattice = _lattice(closed, direction, count)

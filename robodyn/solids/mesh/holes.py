@@ -16,17 +16,13 @@ from robodyn.support.floats import Floats
 
 LARGEST_OF_SHELL = 0.1
 """Share of a shell that may be missing: a box without one of its 12 triangles is filled, without a side it is not."""
-
 LARGEST_OF_ALL = 0.01
 """Share of the whole surface that what is missing from shells may have together, however open they are."""
-
 _BODY = 0.3
 """Share of an open shell that may be missing for it to be a body with a hole, rather than a patch of one."""
-
 _BULGE = 0.2
 """Volume, over the area of a hole to the power 3/2, that may lie between its cap and the surface that was there: twice
 what lies between the cap of a round or a square hole and where the winding number is 1/3 or 2/3."""
-
 _SEAM = 1e-6
 """Area over squared perimeter below which a gap is a seam: a T-junction, or an edge drawn twice."""
 
@@ -212,10 +208,8 @@ def gaps(triangles: Triangles) -> Gaps:
 
 
 def one_sided(shells: Shells) -> int:
-    """Return how many faces are in surfaces that cannot be wound, whose inside and outside are not told apart.
-
-    Open ones with rims put together where they nearly meet: caps on those of a Klein bottle would give it two sides.
-    """
+    """Return how many faces are in surfaces that cannot be wound, whose inside and outside are not told apart. Open
+    ones with rims put together where they nearly meet: caps on those of a Klein bottle would give it two sides."""
     if not shells.closed.all():
         whole = welded(shells.mesh, shells.lone)
         shells = shells if whole is shells.mesh else wound(whole)[0]

@@ -168,11 +168,9 @@ class Edges:
 
 
 def components(count: int, a: Numbers, b: Numbers) -> Numbers:
-    """(count,) the number of the connected component of each node of a graph with the links a[i] to b[i].
-
-    Components are numbered as their first nodes are. Every node with links to lower ones is hooked to the lowest of
-    them and then to the root of that; the roots are nodes of a smaller graph (Boruvka's contraction).
-    """
+    """(count,) the number of the connected component of each node of a graph with the links a[i] to b[i]. Components
+    are numbered as their first nodes are. Every node with links to lower ones is hooked to the lowest of them and then
+    to the root of that; the roots are nodes of a smaller graph (Boruvka's contraction)."""
     label = np.arange(count)
     nodes = count
     while True:

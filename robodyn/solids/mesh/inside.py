@@ -18,7 +18,6 @@ _PAIRS = 1 << 17
 """Points times triangles of a block: its intermediate results stay in the cache."""
 _DIRECTIONS = ((0.3183098861, 0.5772156649), (-0.4142135623, 0.2236067977), (0.1414213562, -0.6931471805))
 """Slopes of rays, generic so that they meet neither corners nor edges of parts drawn along the axes."""
-
 _ROUNDING = 16 * np.finfo(np.float64).eps
 _MOST_PAIRS = 2_000_000
 _CELLS = 64
@@ -69,10 +68,8 @@ class Interior:
 
 
 class _Sheared:
-    """Triangles in coordinates in which the rays of one slope go up along the last axis.
-
-    A corner that triangles share is rounded alike in all of them: the surface stays closed.
-    """
+    """Triangles in coordinates in which the rays of one slope go up along the last axis. A corner that triangles share
+    is rounded alike in all of them: the surface stays closed."""
 
     def __init__(self, corners: Floats, slope: tuple[float, float]) -> None:
         self._slope = np.array([*slope, 0.0])
@@ -126,10 +123,8 @@ def triangle_boxes(corners: Floats) -> Floats:
 
 
 def may_cross(one: Floats, other: Floats) -> bool:
-    """Return whether triangles with these boxes (2, n, 3) may meet; True where that is not told.
-
-    Boxes are compared in pairs or, where they are many and small, by the cells of a lattice that they touch.
-    """
+    """Return whether triangles with these boxes (2, n, 3) may meet; True where that is not told. Boxes are compared in
+    pairs or, where they are many and small, by the cells of a lattice that they touch."""
     lo = np.maximum(one[0].min(axis=0), other[0].min(axis=0))
     hi = np.minimum(one[1].max(axis=0), other[1].max(axis=0))
     one, other = (boxes[:, ((boxes[0] <= hi) & (boxes[1] >= lo)).all(axis=1)] for boxes in (one, other))

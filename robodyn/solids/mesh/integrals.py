@@ -54,10 +54,8 @@ class VolumeIntegrals:
 
 
 def exact_moments(triangles: Triangles, reference: Array) -> Moments:
-    """Return the moments of the volume within triangles whose coordinates are taken as exact.
-
-    The sums of `volume_kernel` in Python's integers, as the coordinates of a block are multiples of a power of two.
-    """
+    """Return the moments of the volume within triangles whose coordinates are taken as exact. The sums of
+    `volume_kernel` in Python's integers, as the coordinates of a block are multiples of a power of two."""
     from fractions import Fraction
 
     volume, first, second = Fraction(0), [Fraction(0)] * 3, [Fraction(0)] * 6
@@ -143,10 +141,8 @@ def swept(
     reference: Floats | None = None,
     edges: bool = False,
 ) -> Sweep:
-    """Pass over the triangles once with `volume_kernel` or `surface_kernel`.
-
-    The reference (3,) is a point in the middle of the first block by default; the fingerprint of edges needs float64.
-    """
+    """Pass over the triangles once with `volume_kernel` or `surface_kernel`. The reference (3,) is a point in the
+    middle of the first block by default; the fingerprint of edges needs float64."""
     space = block_space(triangles, dtype)
     ready, boundary = kernel(space), EdgeSums(space) if edges else None
     sums, lows, highs, least = [], [], [], [np.inf]
@@ -256,13 +252,10 @@ def _upwards(bound: float) -> float:
 
 LIMIT = 1e-12
 """Bounds of the error above this call for the next finer arithmetic."""
-
 _MOMENTS, _AREA, _SQUARES = slice(10), 10, slice(11, 17)
 """Places among the sums of `volume_kernel`."""
-
 _SMALL = 1e-60
 """Width below which moments of bodies, and not only of thin ones, can be too small for a float."""
-
 _WIDER = 63
 """Fraction bits of a long double that is worth trying."""
 

@@ -16,13 +16,10 @@ from robodyn.support.input_file import beyond, limits
 
 _NOISE = 1e-13
 """Volume over the sum of the sizes of its terms below which a shell is flat and has no sign."""
-
 IN_PATCHES = -1
 """Stands for open shells taken together."""
-
 _TOUCH = 1e-11
 """Share of its volume that a shell may have outside another, and still lie in it."""
-
 _LARGEST = 16
 """Triangles of a shell whose centres are tried."""
 
@@ -100,11 +97,9 @@ def nested(
 
 
 class _States:
-    """What shells are, decided from the outermost ones inwards; copies, cuts: see `Nesting`.
-
-    turned, inward, within, patched: (k,) whether each has to be turned, is wound inwards then, bounds nothing, and lies
-    in what open shells enclose.
-    """
+    """What shells are, decided from the outermost ones inwards; copies, cuts: see `Nesting`. turned, inward, within,
+    patched: (k,) whether each has to be turned, is wound inwards then, bounds nothing, and lies in what open shells
+    enclose."""
 
     def __init__(
         self, around: list[list[int]], order: list[int], ways: Numbers, copies: Numbers, patches: int, cavities: bool

@@ -24,7 +24,6 @@ from robodyn.support.wording import count as many
 
 _SAME = 1e-11
 """Share of its volume by which a body may differ that is measured twice."""
-
 _BY_REGION = ("overlaps", "winding numbers")
 """Steps that leave the surface as it is."""
 
@@ -185,13 +184,10 @@ class _Steps:
 
 _TOUCH = 1e-11
 """Volume that shells may share, of the sum of their volumes, and still only touch."""
-
 _MOST_PAIRS = 10_000
 """Pairs of shells whose triangles' boxes are compared; of more some may cross."""
-
 _MOST_COPIES = 16
 """Of a shell that are told apart."""
-
 _TURNS = (IDENTITY, *(rotation_from_rpy(*angles) for angles in ((0.7, -0.4, 1.9), (-1.1, 0.8, 0.3), (2.3, 0.5, -0.6))))
 """Poses in which bodies are united until two agree."""
 
@@ -285,10 +281,8 @@ def _united(
     shells: dict[int, Indexed], cavities: dict[int, list[int]], copies: Numbers, least: float
 ) -> Indexed | None:
     """Return the union of bodies, each without its cavities; of cavities that cross, where they are less than bodies.
-
     Where facets nearly coincide a boolean may fail, which shows in its volume when it is done again in another pose:
-    None if no two poses agree within `least`, or a shell is no manifold. `cavities`: their names, of each body.
-    """
+    None if no two poses agree within `least`, or a shell is no manifold. `cavities`: their names, of each body."""
     from manifold3d import Manifold, OpType
 
     inner = [name for name in shells if name not in cavities]

@@ -15,11 +15,9 @@ from robodyn.support.floats import Floats
 _MOST_COPIES = 32
 _MOST_ANGLES = 50_000_000
 """Solid angles of faces that are taken to tell whether walls lie in bodies; where it takes more, they stay."""
-
 _ROUNDING = 16 * np.finfo(np.float64).eps
 _NEAR = 1e-6
 """Distance of corners that rounding may have parted, over the size of the surface."""
-
 _CELL = 4.0
 """Times this distance, the side of the cells in which near corners are sought."""
 
@@ -148,10 +146,8 @@ def _superfluous(faces: Numbers, doubtful: Mask, alone: bool) -> Mask:
 
 def welded(mesh: Indexed, rim: Numbers) -> Indexed:
     """The mesh with corners on its rims (v,) made one where rounding may have parted them, without faces that vanish.
-
     The same object where there are none. Corners within 1e-6 of the surface's size share a cell of at least one of
-    eight lattices, shifted by half a cell.
-    """
+    eight lattices, shifted by half a cell."""
     used = np.zeros(len(mesh.vertices), np.bool_)
     used[mesh.faces] = True
     points = mesh.vertices[rim]
@@ -236,10 +232,8 @@ def wound(mesh: Indexed) -> tuple[Shells, int]:
 
 
 def _patches(edges: Edges, faces: int) -> tuple[Numbers, Mask, Mask]:
-    """Return the patch of each face, whether to turn it, and which patches have one side only.
-
-    A component of the graph in which every face stands twice, once for each winding.
-    """
+    """Return the patch of each face, whether to turn it, and which patches have one side only. A component of the graph
+    in which every face stands twice, once for each winding."""
     a, b, alike = edges.pairs()
     swapped = np.where(alike, 0, faces)
     sides = components(2 * faces, np.concatenate([a, a + faces]), np.concatenate([b + swapped, b + faces - swapped]))

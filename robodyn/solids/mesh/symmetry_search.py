@@ -93,10 +93,8 @@ class Symmetry:
 
 DISTINCT = 1e-9
 """Principal second moments that are closer than this part of the largest leave their axes open."""
-
 CLOSE = 0.1
 """Those that are closer than this part may be equal but for facets, or but for an asymmetry that is near."""
-
 _LEVELS = (1e-10, 1e-7, 1e-5, 1e-4, 1e-3, 1e-2, 3e-2)
 _STARTS, _STEPS = 256, 24
 _STEEP = 1e-6
@@ -105,11 +103,9 @@ _MOST = 64
 
 
 def possible_folds(axial: Array) -> list[float]:
-    """Folds that an axis may have, the largest first, infinite for revolution.
-
-    An axis of fold n leaves only the moments whose frequency is a multiple of n: n is the greatest common divisor of
-    the frequencies of those above a level of noise, for several levels.
-    """
+    """Folds that an axis may have, the largest first, infinite for revolution. An axis of fold n leaves only the
+    moments whose frequency is a multiple of n: n is the greatest common divisor of the frequencies of those above a
+    level of noise, for several levels."""
     size = np.abs(axial).max(axis=1)
     found = {gcd(*(int(m) + 1 for m in np.flatnonzero(size > level))) or inf for level in _LEVELS}
     return sorted(found - {1}, reverse=True)
@@ -197,18 +193,13 @@ Found = TypeVar("Found", bound=Plane | Axis)
 
 DECIMALS = 12
 """Of asymmetries: what is smaller is rounding, and another one on each processor."""
-
 _APART = 1e-3
 """Angle between planes that are told apart."""
-
 _BLUR = 0.05
 """That between what is not exact and something more symmetric, which it may be taken for."""
-
 _SAME_COORDINATE = 1e-9
-
 _ASKEW = 1e-4
 """A normal that is closer to a coordinate axis is tried along it: facets and rounding turn it by less."""
-
 _SOLID_FOLDS = (5.0, 4.0, 3.0, 2.0)
 """Of the axes of the regular bodies."""
 

@@ -24,12 +24,9 @@ Integers = NDArray[np.int64]
 
 _SHARPEST = radians(65)
 """Facets that meet at a larger angle are meant so, unless both belong to curved faces."""
-
 _WIDEST = radians(120)
-
 _BENT = 1e-3
 """Below this many radians an angle may be a rounding error."""
-
 _FLAT = 1e-5
 _EDGES = 1 << 14
 _COLUMNS = ("start", "end", "angle", "length", "heights", "feet", "outward", "triangles")
@@ -38,7 +35,6 @@ _UNPAIRED = 0.6
 _SAME = 0.1
 OUTSIDE = 0.5
 """Of what facets lack where their corners are on the smooth surface, that they take in where they touch it."""
-
 SHIFT = 0.6
 """Of what the centre would move if all doubt were on one side, how far it may."""
 
@@ -96,10 +92,8 @@ def bent_edges(corners: Array) -> BentEdges:
 def _bent(
     points: Floats, normals: Floats, one: Integers, other: Integers, coplanar: list[Integers]
 ) -> dict[str, Array]:
-    """Return the columns of `BentEdges` of some edges; coplanar gets the pairs (2, n) of triangles in one plane.
-
-    Points (3 m, 3) by corner, then triangle; normals (m, 3) as long as twice the areas.
-    """
+    """Return the columns of `BentEdges` of some edges; coplanar gets the pairs (2, n) of triangles in one plane. Points
+    (3 m, 3) by corner, then triangle; normals (m, 3) as long as twice the areas."""
     count = len(normals)
     triangles = np.stack([one, other]) % count
     first, second = np.ascontiguousarray(normals.take(triangles, axis=0).transpose(0, 2, 1))
@@ -125,11 +119,9 @@ def _bent(
 
 
 def _unpaired(edges: BentEdges, among: Mask) -> Floats:
-    """(2, k) what some edges of the facet on each side leave unpaired across this one, over its length.
-
-    Lengths times outward vectors add up to zero around a facet: what some edges leave is what the others have. Above
-    _UNPAIRED others are opposite to this one, below -_UNPAIRED some of these, none of which is it.
-    """
+    """(2, k) what some edges of the facet on each side leave unpaired across this one, over its length. Lengths times
+    outward vectors add up to zero around a facet: what some edges leave is what the others have. Above _UNPAIRED others
+    are opposite to this one, below -_UNPAIRED some of these, none of which is it."""
     facet = edges.facet[edges.triangles].ravel()
     weights = (edges.outward * np.where(among, edges.length, 0.0)).transpose(1, 0, 2).reshape(3, -1)
     left = np.stack([np.bincount(facet, one, len(edges.areas)) for one in weights])[:, facet].reshape(3, 2, -1)
@@ -161,7 +153,6 @@ def _like(edges: BentEdges) -> Mask:
 
 FINE = radians(40)
 """Facets that meet at a larger angle are too coarse to say how symmetric a body may be that they stand for."""
-
 _TIMES_MEDIAN = 3
 _SQUARE = radians(88)
 _SIMILAR = 1 / 3
@@ -360,10 +351,7 @@ def tessellation(masses: LineMasses, integrals: Integrals, centre: Array, *, fix
         unrounded=None,
     )
     return Tessellation(
-        corrected,
-        mesh=_bars(given, places, doubts),
-        rest=_bars(on, places, doubts),
-        on_surface=_bars(on, [on], doubts),
+        corrected, mesh=_bars(given, places, doubts), rest=_bars(on, places, doubts), on_surface=_bars(on, [on], doubts)
     )
 
 

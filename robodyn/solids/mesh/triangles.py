@@ -109,10 +109,8 @@ def not_finite(face: int, corner: Corners, name: str) -> MeshError:
 
 @dataclass(frozen=True, eq=False)
 class ScaledTriangles(Triangles):
-    """The given triangles with each coordinate times its factor.
-
-    Of a mirror image the corners are read backwards, so that what was wound outwards still is.
-    """
+    """The given triangles with each coordinate times its factor. Of a mirror image the corners are read backwards, so
+    that what was wound outwards still is."""
 
     given: Triangles
     factors: Floats
@@ -128,10 +126,8 @@ class ScaledTriangles(Triangles):
 
 
 def scaled(triangles: Triangles, factors: Sequence[float]) -> Triangles:
-    """Return the triangles stretched along x, y and z by factors (3,), negative ones for mirror images.
-
-    What the factors have in common goes into the scale, so that a change of unit changes no coordinate.
-    """
+    """Return the triangles stretched along x, y and z by factors (3,), negative ones for mirror images. What the
+    factors have in common goes into the scale, so that a change of unit changes no coordinate."""
     given = np.array(factors, dtype=float)
     if not (np.isfinite(given) & (given != 0)).all():
         listed = " ".join(f"{factor:g}" for factor in given)
@@ -199,10 +195,8 @@ def polygon_triangles(
 
 CHUNK = 256
 """Numbers that one dot product adds up: few, because the rounding errors of equal terms do not cancel."""
-
 ROWS = 17 * CHUNK
 """Triangles of a block: enough to hide what a call of NumPy costs, few enough for the second-level cache."""
-
 _BITS = 3
 
 Step = tuple[Callable[..., Any], tuple[Any, ...]]
@@ -226,10 +220,8 @@ def block_space(triangles: Triangles, dtype: DTypeLike = np.float64) -> Array:
 
 def fill(space: Array, triangles: Triangles, checked: bool = True) -> Iterator[Array]:
     """Put one block after the other into the same space, which may be written to in between: (3 corners, 3, n) of it.
-
     Where triangles do not fill it the rest is one corner of the mesh three times over: a triangle that adds nothing to
-    any sum, box or boundary. Not `checked`, which is faster, if the caller sees for itself that corners are finite.
-    """
+    any sum, box or boundary. Not `checked`, which is faster, if the caller sees for itself that corners are finite."""
     X = space[:3]
     as_given = X.transpose(2, 0, 1)
     rows = X.shape[-1]

@@ -243,11 +243,9 @@ FIELDS = ("address", "homes", "sample_stride", "column_stride", "columns", "dire
 `homes`: of each column the place among the kernel's; strides in bytes; `direct`: 1 where the kernel may work on
 contiguous columns themselves; `stream`: 1 where results are copied to contiguous columns past the caches.
 """
-
 POINTERS = ("kernel", "arrays", "rooms", "flags", "address", "homes")
 JOB = ("kernel", "arrays", "rooms", "flags", "count", "room_bytes", "table_bytes", "pitch", "size")
 """What a job is, in 64 bits each, in this order."""
-
 AHEAD = 512
 """Bytes from the numbers in use to those called for, where columns are read as they lie."""
 

@@ -19,10 +19,8 @@ LARGEST_QUARTER = 2.0**20
 
 @dataclass
 class Code:
-    """The body of a function that works on `lanes` samples at a time, a power of two, in "double" or "float".
-
-    Operands are the text that names them in IR: a register or a constant.
-    """
+    """The body of a function that works on `lanes` samples at a time, a power of two, in "double" or "float". Operands
+    are the text that names them in IR: a register or a constant."""
 
     scalar: str
     lanes: int
@@ -199,10 +197,7 @@ def reduced(code: Code, x: str) -> Angle:
 
 
 def sine_and_cosine(code: Code, angle: Angle) -> tuple[str, str]:
-    """sin x and cos x of a reduced angle.
-
-    Accuracy: 0.9 ulp for at most `LARGEST_QUARTER` quarter turns; sin(-0) is 0.
-    """
+    """sin x and cos x. Accuracy: 0.9 ulp for at most `LARGEST_QUARTER` quarter turns; sin(-0) is 0."""
     x, low = angle.high, angle.low
     square = code.two("fmul", x, x)
     cube = code.two("fmul", square, x)
@@ -231,10 +226,8 @@ def _with_sign(code: Code, value: str, quarter: str) -> str:
 
 
 def exponential(code: Code, x: str) -> str:
-    """exp x, computed in double precision.
-
-    Accuracy: 0.9 ulp; 0 and infinity where the result leaves the range of the type.
-    """
+    """exp x, computed in double precision. Accuracy: 0.9 ulp; 0 and infinity where the result leaves the range of the
+    type."""
     wide = code.doubles()
     y = x if code.scalar == "double" else code.convert(x, wide)
     for predicate, limit in (("olt", -746.0), ("ogt", 710.0)):

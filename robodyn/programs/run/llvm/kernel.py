@@ -53,10 +53,8 @@ ONE: dict[str, Callable[[Code, str], str]] = {
 
 PART = 500
 """Instructions in a basic block: LLVM's time grows faster than a block's length, and the code is no better for it."""
-
 LEVEL = 2
 """How near memory is brought, from 3 for the first cache down: what comes ahead would displace what is in use."""
-
 FRAME = """\
 declare void @llvm.prefetch.p0(ptr, i32, i32, i32)
 {declared}
@@ -99,9 +97,7 @@ def kernel(program: Program, first_row: Mapping[str, int], scalar: str, lanes: i
     writer.write()
     writer.flag()
     return FRAME.format(
-        declared="\n".join(sorted(writer.code.declared)),
-        lanes=lanes,
-        body="\n".join(writer.code.lines),
+        declared="\n".join(sorted(writer.code.declared)), lanes=lanes, body="\n".join(writer.code.lines)
     )
 
 

@@ -240,7 +240,6 @@ _TYPE, _DATA, _DIMENSIONS, _SHAPE, _DTYPE, _FLAGS = 8, 16, 24, 32, 56, 64
 """Where an array's object holds these, in bytes; tuples hold their length and items at `_DATA` and `_DIMENSIONS`."""
 _EMPTY = 184
 """The place of PyArray_Empty in NumPy's table of functions, which keeps its order from release to release."""
-
 _FIELDS = "kernel count array_type dtype out empty keep drop vectorcall otherwise dimensions shape"
 _PLACE = {name: k for k, name in enumerate(_FIELDS.split())}
 _WIDTHS = _PLACE["shape"] + MOST_DIMENSIONS

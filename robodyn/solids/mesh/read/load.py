@@ -131,10 +131,8 @@ def _is_binary_stl(head: bytes, size: int) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class StlTriangles(Triangles):
-    """Triangles of a binary STL, read anew, a block at a time, whenever they are asked for.
-
-    The coordinates of a block are contiguous: `block.transpose(1, 2, 0)` is in C order.
-    """
+    """Triangles of a binary STL, read anew, a block at a time, whenever they are asked for. The coordinates of a block
+    are contiguous: `block.transpose(1, 2, 0)` is in C order."""
 
     source: Source
     promised: int

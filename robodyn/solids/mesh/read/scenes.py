@@ -54,10 +54,8 @@ class Asset:
 
 
 def _dae(source: Source, stream: BinaryIO) -> Asset:
-    """Return what a COLLADA says, and the document without its looks.
-
-    Refuses positions that are not finite and negative indices, which pycollada would read as 0 and from the end.
-    """
+    """Return what a COLLADA says, and the document without its looks. Refuses positions that are not finite and
+    negative indices, which pycollada would read as 0 and from the end."""
     root = ElementTree.parse(stream).getroot()
     asset = root.find("{*}asset")
     unit = None if asset is None else asset.find("{*}unit")
@@ -242,10 +240,8 @@ def read_scene(source: Source, kind: str, unit: str | None) -> MemoryTriangles:
 
 
 def _loaded(source: Source, kind: str, data: bytes | None) -> tuple[dict[str, Any], list[str]]:
-    """Return the arguments with which trimesh would make a scene, and what its loader had to say.
-
-    `trimesh.load` itself merges vertices and drops those that are not finite, whatever it is asked.
-    """
+    """Return the arguments with which trimesh would make a scene, and what its loader had to say. `trimesh.load` itself
+    merges vertices and drops those that are not finite, whatever it is asked."""
     from trimesh.exchange.load import mesh_loaders
 
     resolver = _Beside(source) if source.path and kind == "gltf" else None
@@ -285,10 +281,8 @@ class _Beside:
 
 
 def _placed(loaded: Mapping[str, Any]) -> Iterator[_Part]:
-    """Vertices and faces of each instance of each geometry that has faces.
-
-    `trimesh.Scene` itself would change transforms a little: nearly rigid ones into rigid ones.
-    """
+    """Vertices and faces of each instance of each geometry that has faces. `trimesh.Scene` itself would change
+    transforms a little: nearly rigid ones into rigid ones."""
     geometries, edges = loaded.get("geometry"), loaded.get("graph")
     if geometries is None or edges is None:
         for geometry in [loaded] if geometries is None else geometries.values():
@@ -312,10 +306,8 @@ def _placed(loaded: Mapping[str, Any]) -> Iterator[_Part]:
 
 
 def _moved(geometry: Mapping[str, Any], matrix: Floats) -> Iterator[_Part]:
-    """The geometry where the matrix (4, 4) puts it, if it has faces; a mirror image keeps its outside outside.
-
-    Every vertex is moved by the same operations, so that equal vertices stay equal to the last bit.
-    """
+    """The geometry where the matrix (4, 4) puts it, if it has faces; a mirror image keeps its outside outside. Every
+    vertex is moved by the same operations, so that equal vertices stay equal to the last bit."""
     faces = geometry.get("faces")
     if faces is None or not len(faces):
         return

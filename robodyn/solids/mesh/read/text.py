@@ -69,10 +69,8 @@ def indices(source: Source, line: int, words: list[str]) -> list[int]:
 
 
 def significand_of(coordinates: array[float]) -> int:
-    """Return to how many bits the numbers of a text are rounded, told from some of them.
-
-    Fewer than 5 digits are taken as exact, as in a box drawn by hand: 53; up to 9 are written for float32: at most 24.
-    """
+    """Return to how many bits the numbers of a text are rounded, told from some of them. Fewer than 5 digits are taken
+    as exact, as in a box drawn by hand: 53; up to 9 are written for float32: at most 24."""
     step = len(coordinates) // _SAMPLE + 1
     some = coordinates[:: step + (step % 3 == 0)]  # x, y and z in turn
     digits = max((len(repr(x).partition("e")[0].replace(".", "").strip("-0")) for x in some), default=0)
@@ -100,11 +98,9 @@ class _Polygons:
 
 
 def read_obj(source: Source, scale: float, notes: tuple[str, ...]) -> MemoryTriangles:
-    """Return the faces of all objects and groups of an OBJ: lines `v x y z` and `f i/t/n j/t/n k/t/n ...`.
-
-    Indices count from 1, negative ones backwards from the last vertex that stands before the face. Texture and normal
-    indices, weights and colours are left out.
-    """
+    """Return the faces of all objects and groups of an OBJ: lines `v x y z` and `f i/t/n j/t/n k/t/n ...`. Indices
+    count from 1, negative ones backwards from the last vertex that stands before the face. Texture and normal indices,
+    weights and colours are left out."""
     found = _Polygons()
     coordinates, sizes, corners = found.coordinates, found.sizes, found.corners
     for line, words in _obj_lines(source):
