@@ -124,8 +124,7 @@ def counts(gathered: Gathered, folds: Sequence[int]) -> Floats:
 
 
 def least_squares(R: Floats, z: Floats, signed: NDArray[np.bool_] | None = None) -> Floats:
-    """Return the theta (p,) that minimises |R theta - z|^2, short where next to nothing is shown; signed: (p,) which
-    parameters are not negative."""
+    """Return theta (p,) of least |R theta - z|^2, short where little is shown; signed: (p,) which are not negative."""
     unit, lengths = unit_columns(R)
     rows = np.concatenate([unit, _RIDGE * np.eye(len(lengths))])
     signed = np.zeros(len(lengths), dtype=bool) if signed is None else signed

@@ -255,7 +255,14 @@ class Raw:
 
     def __init__(self, logs: Sequence[Log], cutoff: float, regressor: RegressorColumns, stop: Sequence[float]) -> None:
         self.regressor, self.logs, self.cutoff = regressor, logs, cutoff
-        self.whole = [_until(log, cutoff, end) for log, end in zip(logs, stop, strict=True)]
+        self.whole = []
+        for log, end in zip(logs, stop, strict=True):
+            parts: list[Samples] = []
+            for part in states(log, cutoff):
+                parts.append(part.cut(slice(0, int(np.searchsorted(part.time, end))), part.begins))
+                if part.time[-1] >= end or sum(len(each.time) for each in parts) > _SAMPLES:
+                    break
+            self.whole.append(reduce(joined, parts))
         count = min(_ROWS, _VALUES // sum(regressor.widths)) // len(logs)
         self.some = [slice(None, None, 1 + len(each.time) // max(count, 1)) for each in self.whole]
         few = reduce(joined, (each.cut(own, True) for each, own in zip(self.whole, self.some, strict=True)))
@@ -370,15 +377,6 @@ class Raw:
         for each, own in zip(self.whole, self.some, strict=True):
             found.append(np.interp(each.time[own, None] + shifts, each.time, each.tau[:, j], np.nan, np.nan))
         return np.concatenate(found)
-
-
-def _until(log: Log, cutoff: float, stop: float) -> Samples:
-    found: list[Samples] = []
-    for part in states(log, cutoff):
-        found.append(part.cut(slice(0, int(np.searchsorted(part.time, stop))), part.begins))
-        if part.time[-1] >= stop or sum(len(each.time) for each in found) > _SAMPLES:
-            break
-    return reduce(joined, found)
 
 
 def _presliding(whole: Samples, step: float) -> Floats:

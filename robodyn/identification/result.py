@@ -137,8 +137,7 @@ class Identified:
 
     @property
     def better(self) -> bool:
-        """Whether held-out torques (all, where none are held out) are explained better than by the description
-        and by zero."""
+        """Whether held-out torques (or all) are explained better than by the description and by zero."""
         new, old = self.held_out or self.train, self.original_held_out or self.original_train
         return new.relative_error < min(old.relative_error, 1.0)
 

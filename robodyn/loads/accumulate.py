@@ -32,11 +32,8 @@ if TYPE_CHECKING:
     from robodyn.loads.sizing import SizingPass
     from robodyn.loads.uncertainty import UncertaintyPass
 
-
 NAMES = (*COLUMNS, "power")
 """Columns of momentum and energy, and the power tau . qd of the actuators and of what moves the base."""
-
-
 CHECKED_PER_BLOCK = 64
 """Samples of each block at which the laws are checked, evenly spread."""
 Execute = Callable[[Runner, Mapping[str, Floats], int], Run]
@@ -49,8 +46,6 @@ def _check_runners(a_plan: Plan) -> tuple[Runner, ...]:
 
 
 class SelfChecks:
-    """Gathers `Checks`, block by block."""
-
     def __init__(self, model: Model, scene: Scene, borne: bool) -> None:
         """Args: borne: whether the weight balances at least, besides the bodies' momenta."""
         self.model, self.scene, self.ledger = model, scene, EnergyLedger()

@@ -49,8 +49,7 @@ MOST_PLACES = 20
 
 
 class Follower:
-    """Completes the blocks of a motion whose scene has loops, one after another; `follow` tells which of several
-    branches was chosen, and what makes the motion so far doubtful."""
+    """Completes the blocks of a motion with loops, one after another; `follow` has the branch chosen, and caveats."""
 
     def __init__(self, plan: Plan, followed: Sequence[str] = (), file: str | None = None) -> None:
         """Args: followed: joints without columns, each in a loop or refused; file: as messages name it."""
@@ -91,7 +90,6 @@ class ConstraintPass:
         followed: Sequence[str] = (),
         file: str | None = None,
     ) -> None:
-        """Args: followed: joints without columns, which loops tell; file: of the motion, as messages name it."""
         self.model, self.scene, self.tree = model, scene, tree_scene(model, scene)
         self.open, self.executor, self.threads = open_scene(scene), executor, threads
         self.solver = ConstraintSolver(plan(model, scene), executor)
@@ -273,8 +271,6 @@ class ContactFigures:
 
 
 class _ContactFigures:
-    """Gathers what one contact bears while it is on."""
-
     def __init__(self, contact: Contact, normal: Floats) -> None:
         self.contact, self.normal = contact, normal
         self.samples = self.on = 0
@@ -316,15 +312,12 @@ class _ContactFigures:
 
 
 def _peak(found: Greatest, sign: float = 1.0) -> Peak | None:
-    """Return the peak of a quantity, times a sign; None where it never was."""
     if found.score[0] == -np.inf:
         return None
     return Peak(sign * float(found.score[0]) + 0.0, float(found.time[0]), int(found.row[0]))
 
 
 class ConstraintFigures:
-    """Gathers `Constraints`."""
-
     def __init__(self, solver: ConstraintSolver) -> None:
         self.solver, scene = solver, solver.plan.scene
         self.integrals = Integrals()

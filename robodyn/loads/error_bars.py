@@ -22,7 +22,6 @@ from robodyn.trajectory.motion import FEW, NOISE, Trajectory
 if TYPE_CHECKING:
     from robodyn.loads.constraints import ConstraintPass
 
-
 OPEN = 0.5
 """Of the rms of derived accelerations: what is open above it is not an error of some rows but of the motion."""
 COUNTS = 0.1
@@ -39,8 +38,7 @@ VANISHING = 0.01
 
 
 def bar_caveats(joints: Sequence[JointLoad], sizing: Sizing | None) -> Iterator[Caveat]:
-    """Yield the caveats about limits that are within the error bars of peaks. What a motor's torque is in doubt by is
-    taken for the same share of it as of its joint's."""
+    """Yield caveats about limits within the error bars of peaks; a motor's bar is the same share as its joint's."""
     bars = [(joint, joint.error_bar or 0.0) for joint in joints]
     of_joints = [(joint, bar, abs(joint.peak), joint.effort_limit, "") for joint, bar in bars]
     of_motors = [
@@ -128,10 +126,8 @@ class ErrorBars:
     ) -> tuple[Caveat, ...]:
         """Return what is in doubt for want of samples over a span of time, or because the energy does not balance."""
         rate = max(RATE, 4.0 * (samples - 1) / span if span > 0.0 else 0.0)
-        how_many, remedy = (
-            f"{count(samples, 'sample')} over {figure(span)} s are",
-            f"give samples at {figure(rate, 1)} Hz",
-        )
+        how_many = f"{count(samples, 'sample')} over {figure(span)} s are"
+        remedy = f"give samples at {figure(rate, 1)} Hz"
         found = []
         if joints and (self.off_squares > OPEN**2 * self.squares).any():
             least = NEGLIGIBLE * max(abs(joint.peak) for joint in joints)
@@ -201,6 +197,5 @@ class ErrorBars:
         return length(M * state["noise"]), float((np.abs(M) * state["off"]).sum()) + of_speed
 
     def response(self, state: Mapping[str, Floats], own: bool = False) -> Floats:
-        """Return (n, n) by how much torques change with accelerations: M, or what `ConstraintPass.response` says; of
-        the state of one sample."""
+        """Return (n, n) by how much torques of a sample change with accelerations: M, or as of `ConstraintPass`."""
         return self._inertia(state["q"]) if self.constraints is None else self.constraints.response(state, own)

@@ -107,8 +107,6 @@ def _extreme(samples: Sequence[Floats], deciding: int) -> Floats:
 
 
 class Recorder:
-    """Gathers a `History`."""
-
     def __init__(self, joints: tuple[str, ...], components: tuple[str, ...], contacts: tuple[str, ...] = ()) -> None:
         self.joints = MinMaxDecimation(joints, ("speed", "torque", "power"), ("acceleration",))
         self.base = MinMaxDecimation(components, ("load",))

@@ -99,8 +99,7 @@ def points(torque: float | Curve) -> Curve:
 
 
 def allowed(torque: float | Curve | None, speed: Floats | float) -> Floats:
-    """The torque that a curve allows at these speeds, magnitudes: straight between its points, 0 beyond the last.
-    Infinite without a curve."""
+    """The largest torque at these speeds: straight between a curve's points, 0 beyond the last; inf without one."""
     if torque is None:
         return np.full(np.shape(speed), np.inf)
     if not isinstance(torque, tuple):

@@ -64,8 +64,7 @@ class Extremes:
 
 
 class Integrals:
-    """Trapezoidal integrals over time of several quantities, across blocks; samples, start, end: how many so far, and
-    when the first and the last of them are [s]."""
+    """Trapezoidal integrals over time, across blocks; samples: how many so far, from `start` to `end` [s]."""
 
     def __init__(self) -> None:
         self.samples, self.start, self.end = 0, 0.0, 0.0

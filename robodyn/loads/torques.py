@@ -37,7 +37,6 @@ if TYPE_CHECKING:
     from robodyn.dynamics.momenta import View
     from robodyn.loads.constraints import ConstraintPass
 
-
 Sink = Callable[[Floats, Floats], None]
 
 

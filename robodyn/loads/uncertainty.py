@@ -13,7 +13,7 @@ from robodyn.dynamics.regressor import Row, derivative_runner, misfits, summed, 
 from robodyn.loads.sizing import LEAST, NAMES, Train, allowed, frame, load_torque, motor_torque, points
 from robodyn.loads.statistics import Greatest, Integrals
 from robodyn.programs.run.runner import Runner
-from robodyn.robot.model import Joint, Model
+from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats, einsum
 from robodyn.support.wording import shown
@@ -91,7 +91,13 @@ class Quantities:
         for k, body in enumerate(model.bodies[1:], 1) if bearings else ():
             joint = body.joint
             if joint.kind in NAMES:
-                rows += _bearing(joint, model.n + 6 * k)
+                turned: list[Row] = [
+                    [(model.n + 6 * k + part + i, float(x)) for i, x in enumerate(axis) if x]
+                    for part in (0, 3)
+                    for axis in frame(joint.axis)
+                ]
+                del turned[2 if joint.kind == "prismatic" else 5]  # to which the joint gives way
+                rows += turned
                 figures += [Figure(joint.name, part, at + i) for i, part in enumerate(NAMES[joint.kind])]
                 pairs = _PAIRS[joint.kind == "prismatic"]
                 figures += [Figure(joint.name, part, at + a, at + b) for part, a, b in pairs]
@@ -138,15 +144,6 @@ def _shares(train: Train, qd: Floats) -> tuple[Floats, Floats]:
     ahead, still = np.where(qd < 0.0, -1.0, 1.0), np.zeros_like(qd)
     driven, driving = (np.abs(motor_torque(train, load, qd, still)) for load in (ahead, -ahead))
     return 0.5 * (driven + driving) * ahead, 0.5 * (driven - driving)
-
-
-def _bearing(joint: Joint, first: int) -> list[Row]:
-    """Return the components of a bearing's load, of a body's wrench whose loads have the numbers from `first` on."""
-    turned: list[Row] = [
-        [(first + part + k, float(x)) for k, x in enumerate(axis) if x] for part in (0, 3) for axis in frame(joint.axis)
-    ]
-    del turned[2 if joint.kind == "prismatic" else 5]  # to which the joint gives way
-    return turned
 
 
 class Kept(NamedTuple):

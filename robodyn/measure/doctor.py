@@ -70,7 +70,6 @@ def doctor() -> tuple[Line, ...]:
 
 
 def healthy(lines: tuple[Line, ...]) -> bool:
-    """Return whether nothing is broken."""
     return all(line.verdict != "broken" for line in lines)
 
 

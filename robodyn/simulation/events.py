@@ -66,7 +66,6 @@ class Limits:
         return -self._gain * qd[..., self._rates]
 
     def check_start(self, q: Floats) -> None:
-        """Raise if a joint begins beyond a limit."""
         for stop, room in zip(self.stops, self.room(q).tolist(), strict=True):
             if room < 0.0:
                 joint = stop.joint

@@ -112,7 +112,6 @@ CHECKING = Method("bdf", 5, "backward differences, SciPy's: for another opinion 
 
 
 def method_named(name: str) -> Method:
-    """The method of this name; raises if there is none."""
     for method in (*METHODS, CHECKING):
         if method.name == name:
             return method

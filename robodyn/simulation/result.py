@@ -154,7 +154,6 @@ class Simulation:
 
     @property
     def free(self) -> bool:
-        """Whether nothing but gravity acts on the robot from outside, so that its momenta are known."""
         return is_free(self.model, self.scene)
 
     @property

@@ -79,7 +79,6 @@ class Stiffest(NamedTuple):
         return f'{self.cause} of "{self.joint}" settles at {self.rate:.3g}/s'
 
     def remedy(self, method: Method, step: float, slip_speed: float) -> str:
-        """What to do about a step that is too long."""
         longest = self.longest(method)
         slip = f", or slip_speed = {2.0 * slip_speed * step / longest:.1g} in the scene"
         return f"give --step {rounded(0.5 * longest):g}, or --method radau{slip if self.cause == FRICTION else ''}"

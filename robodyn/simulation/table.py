@@ -138,7 +138,6 @@ class Signal:
         return CubicSpline(self._rows, np.column_stack(values))  # type: ignore[no-any-return]
 
     def check_duration(self, duration: float) -> None:
-        """Raise if the table ends before the simulation."""
         if self.table is not None and duration > self.table.duration * (1.0 + 1e-9):
             what = f"the table lasts {self.table.duration:.9g} s, the simulation {duration:.9g} s"
             raise InputError(what, remedy="give a shorter --duration, or none", file=self.table.file)
@@ -160,8 +159,7 @@ class Signal:
         return np.asarray(rows[changes])
 
     def at(self, time: Floats, within: Floats | None = None) -> Floats:
-        """(N, curves) at N times [s] since the simulation began; times `within` the rows that are meant tell what is
-        held, which jumps at rows."""
+        """(N, curves) at N times [s] from the beginning; times `within` the rows that are meant tell what is held."""
         if self.table is None or not self.curves:
             return np.empty((len(time), 0))
         rows, meant = self._rows, time if within is None else within
@@ -201,8 +199,7 @@ class Signal:
 
 
 class Piece(NamedTuple):
-    """N steps that follow each other [s], how many whole steps are done where each ends (0 within one, at a row), and
-    whether it ends at a row."""
+    """N steps in a row [s], how many whole steps are done at the end of each (0 within one), and if that is a row."""
 
     begin: Floats
     end: Floats

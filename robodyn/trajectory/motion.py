@@ -146,7 +146,6 @@ def join(parts: list[Trajectory]) -> Trajectory:
 
 
 def cut(samples: Trajectory, start: int, stop: int) -> Trajectory:
-    """Samples start to stop."""
     rows = slice(start, stop)
     columns: dict[str, Any] = {name: getattr(samples, name)[rows] for name in _ROWS}
     return replace(

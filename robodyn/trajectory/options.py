@@ -74,8 +74,7 @@ def _place(given: str | float) -> str | float:
 
 @dataclass(frozen=True)
 class Reading:
-    """How a table is to be read, as of `read_motion`; derivatives "none" leaves what is missing 0, for those who take
-    derivatives themselves."""
+    """How a table is to be read, as of `read_motion`; derivatives "none" leaves what is missing 0, for callers' own."""
 
     derivatives: Derivatives = "auto"
     ignore_extra: bool = False

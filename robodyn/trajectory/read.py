@@ -173,8 +173,7 @@ def open_trajectory(
     reading: Reading = DEFAULT,
     block_rows: int = BLOCK_ROWS,
 ) -> TrajectoryReader:
-    """A reader of the trajectory in a file of `open_table`, with the columns `extra` that the scene names; raises if it
-    cannot be read or its columns do not fit the robot."""
+    """A reader of a file of `open_table`, with the columns `extra` that the scene names; raises as `read_motion`."""
     table = open_table(path, reading.topic)
     try:
         return TrajectoryReader(table, signals, extra, reading, block_rows)
@@ -306,7 +305,6 @@ class TrajectoryReader:
 
     @property
     def position_bytes(self) -> int:
-        """How much of the file has been read."""
         return self._table.position_bytes
 
     def blocks(self) -> Iterator[Trajectory]:

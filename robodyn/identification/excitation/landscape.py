@@ -165,8 +165,7 @@ class Landscape:
         return float(pressure * self.programs.r / (kinds * m + len(self._efforts)) / (samples // _THIN))
 
     def _telling(self, rows: list[Floats]) -> tuple[float, list[Floats]]:
-        """Return log det (sum Y^T W Y / N) and its derivative by the rows of each torque; raise
-        numpy.linalg.LinAlgError if it is singular."""
+        """Return log det (sum Y^T W Y / N) and its slope by the rows of each torque; LinAlgError if it is singular."""
         A = np.zeros((self.programs.r, self.programs.r))
         weights = [scale * scale / len(part) for scale, part in zip(self._scales, rows, strict=True)]
         for columns, part, weight in zip(self.programs.shown, rows, weights, strict=True):

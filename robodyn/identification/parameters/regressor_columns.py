@@ -264,8 +264,7 @@ class Guess:
 def gather(
     log: Log, cutoff: float, edges: Sequence[float], plain: Gathered, weighted: Gathered, guess: Guess | None = None
 ) -> None:
-    """Add the rows of a log to the factors of their folds, which end at these edges [s], with a first guess to those of
-    Huber's weights, too."""
+    """Add the rows of a log to the factors of folds that end at `edges` [s]; with a guess also by Huber's weights."""
     regressor = plain.regressor
     if guess is not None:
         guess.moments.restart()

@@ -87,7 +87,6 @@ class Rung:
 
     @property
     def error(self) -> float:
-        """The largest."""
         return max(self.errors)
 
 

@@ -182,8 +182,7 @@ def _of_matrix(matrix: Floats) -> Moments:
 
 
 def by_decimation(corners: Floats, tolerance: float) -> Moments:
-    """Of the body with fewer triangles, none of which is farther off than this share of the box's diagonal; raise
-    MeshError if the surface is no manifold."""
+    """Of fewer triangles, none farther off than this share of the box's diagonal; raise MeshError if no manifold."""
     mesh = merged(corners)
     solid = manifold(mesh.vertices, mesh.faces)
     if solid is None or not hasattr(solid, "simplify"):
@@ -193,7 +192,6 @@ def by_decimation(corners: Floats, tolerance: float) -> Moments:
 
 
 def _about_origin(corners: Floats) -> Moments:
-    """Return the integral over a closed surface."""
     found = integrate(MemoryTriangles("surface", np.ascontiguousarray(corners)))
     r, V = found.reference, found.volume
     mixed = np.outer(found.first, r)
@@ -218,8 +216,7 @@ def inertia(moments: Moments) -> Array:
 
 
 def needs_rationals(target: float) -> bool:
-    """Whether floats, which are escalated until their bounds are below 1e-12, are not enough for a relative error;
-    raise InputError if no result in doubles can be that accurate."""
+    """Whether floats, escalated to `LIMIT`, are not enough; raise InputError if no result in doubles is as accurate."""
     refuse_beyond_doubles(target)
     return target < LIMIT
 

@@ -77,12 +77,10 @@ class Effort:
         return self._evaluation + (SCIPY if method.adaptive else 0.0)
 
     def work(self, motion: Simulation) -> float:
-        """Return seconds of work of a motion."""
         return motion.evaluations * self.cost(motion.method)
 
     def is_stiff(self) -> bool:
-        """Return whether the motion, made without an accuracy, asks for an implicit method; raise InputError if no
-        method can do it."""
+        """Return whether the motion, made as usual, asks for an implicit method; raise InputError if none can do it."""
         try:
             return self._counted(most=FIRST).method.name == "radau"
         except TooMuchError as error:
@@ -264,8 +262,7 @@ def simulate_within(model: Model, scene: Scene, duration: float | None, target: 
 
 
 def _within(effort: Effort, target: float, stiff: bool) -> tuple[Settled, Settled, float]:
-    """Motions by two methods and their error; where they do not agree, the first is refined further; raise InputError
-    if no two agree to within the target."""
+    """Motions by two methods and their error, the first refined until they agree; raise InputError if none do."""
     what, error = "", inf
     for tighter in TIGHTER:
         try:
@@ -283,8 +280,7 @@ def _within(effort: Effort, target: float, stiff: bool) -> tuple[Settled, Settle
 
 
 def _settled(effort: Effort, target: float, wanted: float, stiff: bool) -> Settled:
-    """Return the first method that can be refined until that changes less than half of what is wanted; raise InputError
-    if none can."""
+    """Return the first method whose refinement changes less than half of what is wanted; raise InputError if none."""
     tightened = () if effort.scene.loops else TIGHTENED
     problems, reached = [], inf
     for name in (*tightened, *HALVED) if stiff else (*HALVED, *tightened):
@@ -297,8 +293,7 @@ def _settled(effort: Effort, target: float, wanted: float, stiff: bool) -> Settl
 
 
 def _confirmed(effort: Effort, settled: Settled, target: float) -> Settled:
-    """Return the motion by another method, and how far it is from the first; raise InputError if no other method gets
-    through."""
+    """Return the motion by another method and how far it is from the first; raise InputError if none gets through."""
     motion = settled.motion
     best, problem = Settled(motion, inf), ""
     for name in CONFIRMING[motion.method.name]:

@@ -236,8 +236,7 @@ def simulation_accuracy(
 def _tries(
     a_plan: Plan, run: Run, method: Method, duration: float, reference: Reference
 ) -> tuple[list[tuple[tuple[MethodOptions, float, str], Rung]], list[str]]:
-    """Return a method at ever shorter steps or tolerances as long as that helps (what `integrated` is given, and the
-    rung with the time of one run), and what failed."""
+    """Return a method at ever shorter steps or tolerances while that helps: input of `integrated`, rung; failures."""
     found: list[tuple[tuple[MethodOptions, float, str], Rung]] = []
     failed: list[str] = []
     why, before, equations = "", inf, Equations(a_plan)

@@ -96,7 +96,17 @@ def torque_accuracy(model: Model, samples: Trajectory, scene: Scene = DEFAULT) -
     if len(samples) >= FEWEST * 2:
         ladders.append(rate_ladder(a_plan, samples))
     prices = tuple(Price(name, time) for name, (_, time) in timed(acts).items())
-    return Accuracy(model.name, tuple(ladders), prices, _effects(a_plan, sources, len(samples)), tuple(notes))
+    # each effect by its own program, not by subtraction; the largest torque of each at any joint
+    total, effects = a_plan.torques().size, []
+    forces = {joint.rate for joint in model.independent if joint.kind == "prismatic"}
+    forces |= {joint.rate + k for joint in model.independent if joint.kind == "floating" for k in (3, 4, 5)}
+    for effect in a_plan.effects:
+        share = a_plan.share(effect)
+        tau = abs(NumpyBlocks(share, runner_of(share, a_plan).widths)(sources, len(samples))).max(axis=0)
+        place, saved = first_largest(tau), total - a_plan.without(effect).size
+        unit = "N" if place in forces else "N m"
+        effects.append(EffectPrice(effect.name, float(tau[place]), unit, model.rates[place], saved))
+    return Accuracy(model.name, tuple(ladders), prices, tuple(effects), tuple(notes))
 
 
 def file_accuracy(model: Model, scene: Scene, trajectory: str, **reading: Any) -> Accuracy:
@@ -147,23 +157,6 @@ def _executor_ladder(
             notes.append(f"{name}: the torques overflow")
     against = f"{DIGITS} digits on {len(rows)} of {count} samples"
     return Ladder("torques", ("torque",), against, "sample", tuple(rungs)), notes
-
-
-def _effects(a_plan: Plan, sources: Sources, count: int) -> tuple[EffectPrice, ...]:
-    """Price each by its own program, not by subtraction; the largest torque of each at any joint."""
-    model, total = a_plan.model, a_plan.torques().size
-    forces = {joint.rate for joint in model.independent if joint.kind == "prismatic"}
-    forces |= {joint.rate + k for joint in model.independent if joint.kind == "floating" for k in (3, 4, 5)}
-    found = []
-    for effect in a_plan.effects:
-        share = a_plan.share(effect)
-        tau = abs(NumpyBlocks(share, runner_of(share, a_plan).widths)(sources, count)).max(axis=0)
-        place = first_largest(tau)
-        saved = total - a_plan.without(effect).size
-        found.append(
-            EffectPrice(effect.name, float(tau[place]), "N" if place in forces else "N m", model.rates[place], saved)
-        )
-    return tuple(found)
 
 
 def derivative_ladder(a_plan: Plan, samples: Trajectory) -> Ladder:
@@ -258,8 +251,7 @@ def _peaks(a_plan: Plan, samples: Trajectory, every: int) -> Floats:
 
 @dataclass(frozen=True)
 class Arithmetic:
-    """The cheapest arithmetic for a target: the executor that it needs, None for any, and its error, relative to the
-    largest torque."""
+    """The cheapest arithmetic for a target: its executor, None for any, and error, relative to the largest torque."""
 
     target: float
     executor: str | None

@@ -122,7 +122,6 @@ class Header:
 
 
 def check_columns(count: int, file: str | None, line: int | None = None) -> None:
-    """Raise if there are more columns than are read."""
     if count > limits().table_columns:
         raise beyond("table_columns", f"{count} columns", TrajectoryError, file=file, line=line)
 
@@ -182,7 +181,16 @@ def resolve(header: Header, signals: Signals, extra: Sequence[str] = (), reading
     header.check()
     header = header.renamed(reading.columns, signals, extra)
     called = header.called
-    clock, times = _clock(header, signals, reading)
+    names = {i: name for i, name in enumerate(called) if name in TIME_NAMES or signals.find(name) is None}
+    clocks_found, times = clocks(names, header.aliases)
+    if not clocks_found:
+        remedy = f"name it 'time', or say which it is: --map time=NAME; columns: {listing(header.names)}"
+        raise header.error("no column of time", remedy)
+    if len(clocks_found) > 1:
+        both = listing(header.names[each.column] for each in clocks_found)
+        what = f"time is given {len(clocks_found)} times, by {both}"
+        raise header.error(what, "keep one of them, or --map time=NAME")
+    clock = clocks_found[0].in_unit(reading.time_unit)
     meanings = {i: signals.find(name) for i, name in enumerate(called) if i not in clock.columns}
     places: dict[Place, int] = {}
     for i, meaning in meanings.items():
@@ -218,19 +226,6 @@ def resolve(header: Header, signals: Signals, extra: Sequence[str] = (), reading
         followed=followed,
         notes=(f"columns not used: {listing(header.names[i] for i in sorted(unused))}",) if unused else (),
     )
-
-
-def _clock(header: Header, signals: Signals, reading: Reading) -> tuple[Clock, set[int]]:
-    """What tells the time, and the other columns that could."""
-    names = {i: name for i, name in enumerate(header.called) if name in TIME_NAMES or signals.find(name) is None}
-    found, others = clocks(names, header.aliases)
-    if not found:
-        remedy = f"name it 'time', or say which it is: --map time=NAME; columns: {listing(header.names)}"
-        raise header.error("no column of time", remedy)
-    if len(found) > 1:
-        both = listing(header.names[clock.column] for clock in found)
-        raise header.error(f"time is given {len(found)} times, by {both}", "keep one of them, or --map time=NAME")
-    return found[0].in_unit(reading.time_unit), others
 
 
 def _set(header: Header, places: dict[T, int], place: T, i: int) -> None:
@@ -347,8 +342,7 @@ def _unknown_error(
 
 
 def _meant(columns: Iterable[str], signals: Signals) -> dict[str, str]:
-    """Our name -> the unknown column that is most like it, or has it in it, but for case, blanks and marks: `q_elbow`
-    -> `Elbow angle [deg]`."""
+    """Our name -> the unknown column most like it, but for case, blanks, marks: `q_elbow` -> `Elbow angle [deg]`."""
     from difflib import SequenceMatcher, get_close_matches
 
     found: dict[str, tuple[float, str]] = {}
@@ -389,7 +383,6 @@ def _plain(name: str) -> str:
 
 
 def _incomplete(header: Header, signals: Signals, missing: Sequence[str], unknown: Sequence[int]) -> TrajectoryError:
-    """The error where no column places joints that are not held."""
     there = f"there is {listing(header.names)}"
     if free := [name for name in missing if len(signals.spans[name][0]) > 1]:
         name = free[0]

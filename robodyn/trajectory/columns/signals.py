@@ -174,7 +174,6 @@ def _rank(name: str) -> int | None:
 
 
 def is_time(name: str) -> bool:
-    """Whether a name is one for time."""
     return _single(0, name) is not None
 
 
@@ -216,8 +215,7 @@ class Signal:
 
 
 class Meaning(NamedTuple):
-    """What a column holds: a quantity and an index in it, None of a joint without a coordinate; and the unit's text, if
-    its name tells one."""
+    """What a column holds: a quantity and an index, None without a coordinate; and the unit's text, if it is told."""
 
     place: Place | None
     unit: str | None = None

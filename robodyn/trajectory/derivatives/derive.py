@@ -175,7 +175,18 @@ def estimated(
     """
     method, sigma = selection.method, selection.sigma
     if method.kind == "savgol" and selection.smooth and not selection.forced:
-        return _by_one_window(time, values, turns, method, sigma)
+        # what one window gives, with what the noise leaves, and what a window a third wider changes nearby
+        wider, ends, near = method.window * 4 // 3 | 1, min(method.window // 2, len(time) // 2), method.window // 4
+        times = np.full((len(time), 1), INNER)
+        times[:ends] = times[len(time) - ends :] = END
+        narrow = differentiate(time, values, method, turns)
+        broad = differentiate(time, values, replace(method, window=wider), turns)
+        rates = []
+        for value, other, noise in zip(narrow, broad, _noises(time, method, sigma), strict=True):
+            padded = np.pad(np.abs(other - value), ((near, near), (0, 0)))
+            change = sliding_window_view(padded, 2 * near + 1, axis=0).max(axis=-1)
+            rates.append(Rate(value, noise + 0.0 * value, times * noise + WIDER * change))
+        return rates[0], rates[1]
     best = _best(time, values, turns, selection, first)
     if not selection.forced:
         return best
@@ -194,23 +205,6 @@ def _noises(time: Floats, method: Method, sigma: float) -> list[Floats]:
         noise[: len(near)], noise[count - len(near) :] = near, near[::-1]
         found.append((noise * sigma / spacing**order)[:, None])
     return found
-
-
-def _by_one_window(
-    time: Floats, values: Floats, turns: Floats | None, method: Method, sigma: float
-) -> tuple[Rate, Rate]:
-    """What one window gives, with what the noise leaves, and what a window a third wider changes nearby."""
-    wider, ends, near = method.window * 4 // 3 | 1, min(method.window // 2, len(time) // 2), method.window // 4
-    times = np.full((len(time), 1), INNER)
-    times[:ends] = times[len(time) - ends :] = END
-    own = differentiate(time, values, method, turns)
-    others = differentiate(time, values, replace(method, window=wider), turns)
-    rates = []
-    for value, other, noise in zip(own, others, _noises(time, method, sigma), strict=True):
-        padded = np.pad(np.abs(other - value), ((near, near), (0, 0)))
-        change = sliding_window_view(padded, 2 * near + 1, axis=0).max(axis=-1)
-        rates.append(Rate(value, noise + 0.0 * value, times * noise + WIDER * change))
-    return rates[0], rates[1]
 
 
 def _best(time: Floats, values: Floats, turns: Floats | None, selection: Selection, first: int) -> tuple[Rate, Rate]:

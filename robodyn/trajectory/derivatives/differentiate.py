@@ -250,9 +250,20 @@ def differentiate(time: Floats, values: Floats, method: Method, turns: Floats | 
     if spacing:
         first, second = _filtered(np.diff(values, axis=0), turns, _filter(spline, width, degree))
         return first / spacing, second / spacing / spacing
-    if spline:
-        return _spline(time, values, turns)
-    return at_samples(time, values, turns, np.arange(count), width, degree)[1:]
+    if not spline:
+        return at_samples(time, values, turns, np.arange(count), width, degree)[1:]
+    from scipy.interpolate import make_interp_spline
+
+    steps, gaps = np.diff(values, axis=0), np.diff(time)[:, None]
+    if turns is not None:
+        steps -= 2.0 * math.pi * np.diff(turns, axis=0)
+    mean = steps.sum(axis=0) / (time[-1] - time[0])  # without it nothing is lost where a joint turns for long
+    moved = np.cumsum(np.pad(steps - mean * gaps, ((1, 0), (0, 0))), axis=0)
+    try:
+        curve = make_interp_spline(time, moved, k=5)  # not-a-knot at both ends: de Boor (1978), ch. XIII
+    except (ValueError, np.linalg.LinAlgError):  # stamps too uneven
+        return np.full(values.shape, np.nan), np.full(values.shape, np.nan)
+    return curve(time, 1) + mean, curve(time, 2)
 
 
 def equal_spacing(time: Floats) -> float:
@@ -308,19 +319,3 @@ def _filtered(steps: Floats, turns: Floats | None, operator: Floats) -> tuple[Fl
                 middle[0] += np.multiply(np.add(before, after, out=part), of_steps[0, half, i], out=part)
                 middle[1] += np.multiply(np.subtract(before, after, out=part), of_steps[1, half, i], out=part)
     return found[0].T, found[1].T
-
-
-def _spline(time: Floats, values: Floats, turns: Floats | None) -> tuple[Floats, Floats]:
-    """Both derivatives of the interpolating quintic spline, not-a-knot at both ends: de Boor (1978), ch. XIII."""
-    from scipy.interpolate import make_interp_spline
-
-    steps, gaps = np.diff(values, axis=0), np.diff(time)[:, None]
-    if turns is not None:
-        steps -= 2.0 * math.pi * np.diff(turns, axis=0)
-    mean = steps.sum(axis=0) / (time[-1] - time[0])  # without it nothing is lost where a joint turns for long
-    moved = np.cumsum(np.pad(steps - mean * gaps, ((1, 0), (0, 0))), axis=0)
-    try:
-        curve = make_interp_spline(time, moved, k=5)
-    except (ValueError, np.linalg.LinAlgError):  # stamps too uneven
-        return np.full(values.shape, np.nan), np.full(values.shape, np.nan)
-    return curve(time, 1) + mean, curve(time, 2)

@@ -43,7 +43,17 @@ def bag_table(name: str, topic: str | None = None) -> LogTable:
 
     if not os.path.exists(name):
         raise TrajectoryError("cannot be read: no such file or directory", remedy="check the name", file=name)
-    place = _place(name)
+    place = Path(name)
+    if place.is_dir() and not (place / METADATA).is_file():  # the only bag in it is read
+        bags = sorted(each for each in place.iterdir() if each.suffix.lower() in BAGS)
+        if not bags:
+            what = f"is a folder without {METADATA}, and no file in it is {', '.join(BAGS)}"
+            raise TrajectoryError(what, remedy="name a table or a bag", file=name)
+        if len(bags) > 1:
+            what = f"is a folder without {METADATA}, with {len(bags)} bags: {listing(each.name for each in bags)}"
+            remedy = "name one of them, or let `ros2 bag reindex` write the metadata"
+            raise TrajectoryError(what, remedy=remedy, file=name)
+        place = bags[0]
     files = [place]
     if place.is_dir():  # whose files are all regular ones, and its metadata plain YAML of moderate size
         files, metadata = [each for each in place.iterdir() if not each.is_dir()], str(place / METADATA)
@@ -63,22 +73,6 @@ def bag_table(name: str, topic: str | None = None) -> LogTable:
             for connection, recorded, data in bag.messages(connections=chosen)
         )
         return LogTable(name, states_of(_kind(chosen[0]), messages, name))
-
-
-def _place(name: str) -> Path:
-    """The file or folder that is read: of a folder without metadata the only bag in it."""
-    path = Path(name)
-    if not path.is_dir() or (path / METADATA).is_file():
-        return path
-    bags = sorted(each for each in path.iterdir() if each.suffix.lower() in BAGS)
-    if not bags:
-        what = f"is a folder without {METADATA}, and no file in it is {', '.join(BAGS)}"
-        raise TrajectoryError(what, remedy="name a table or a bag", file=name)
-    if len(bags) > 1:
-        what = f"is a folder without {METADATA}, with {len(bags)} bags: {listing(each.name for each in bags)}"
-        remedy = "name one of them, or let `ros2 bag reindex` write the metadata"
-        raise TrajectoryError(what, remedy=remedy, file=name)
-    return bags[0]
 
 
 def _chosen(connections: Sequence[Any], topic: str | None, file: str) -> list[Any]:

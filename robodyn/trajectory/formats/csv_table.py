@@ -36,8 +36,7 @@ _MARKS = {b"\xff\xfe": "UTF-16", b"\xfe\xff": "UTF-16", b"\x1f\x8b": "gzip", b"P
 
 
 class CsvTable(Table):
-    """A delimited text file whose first line names the columns; pipes are copied to a temporary file, as the reader
-    looks at them twice."""
+    """A delimited text file whose first line names the columns; pipes are copied first, to be read twice."""
 
     file: str
     header_line: int

@@ -39,8 +39,6 @@ class Table(ABC):
 
     Attributes:
         file: as messages name it, None if there is no file.
-        header_line: the line of the header, None where the format has no lines.
-        names: the columns.
         size_bytes, position_bytes: length of the file and how much of it has been read.
         origins: column -> number that is subtracted from it, exactly, before it becomes a double.
         leaves_out: whether columns that the robot does not know are left out, as those of a log of more than it.
