@@ -323,12 +323,9 @@ class Raw:
         return [f"{what}: does the base stand tilted? then --gravity {said}"]
 
     def misread(self, structure: Structure, sigma: Floats) -> list[str]:
-        """Return in words how positions are misread, if the torques tell.
-
-        Of the joints that are explained worst, every position with the other sign, and every two exchanged, with and
-        without their torques, are fitted anew. The best one counts if the squares that it leaves, multiplied over the
-        joints, are less than `_CLEAR` of those as they are.
-        """
+        """Return in words how positions are misread, if the torques tell: of the joints explained worst, each position
+        with the other sign and every two exchanged, with and without torques, are fitted anew. The best counts if its
+        squares, multiplied over the joints, are less than `_CLEAR` of those as they are."""
         model, measured = self.regressor.model, self.regressor.measured
         if model.nq != model.n:
             return []

@@ -74,12 +74,8 @@ class Follower:
 
 
 class ConstraintPass:
-    """Finds what loops and contacts bear, block by block.
-
-    Attributes:
-        tree: the scene in which these act on the open tree; followed: (n,) rates that follow from the loops.
-        touching: (N, K) 1 where points of contacts touch, at the samples of the last block.
-    """
+    """Finds what loops and contacts bear, block by block; tree: the scene in which these act on the open tree;
+    followed: (n,) rates told by loops; touching: (N, K) 1 where points of contacts touch, in the last block."""
 
     def __init__(
         self,
@@ -169,14 +165,11 @@ class ConstraintPass:
             yield k, self.solver.solve(q[k], qd[k], tau[k], touch)
 
     def response(self, state: Mapping[str, Floats], own: bool = False) -> Floats:
-        """Return (n, n) by how much torques change with each acceleration that is given, the others following.
-
-        Of a solution that is linear in pieces, as cones of friction make it, half of the difference between a step
-        forwards and one back. Accelerations that follow from the loops are not given: their columns are 0.
+        """Return (n, n) by how much a sample's torques change with each given acceleration, the others following;
+        0 for those that follow. Half the difference of a step forwards and one back, as cones make pieces.
 
         Args:
-            state: q (nq,), qd, qdd (n,), columns and touching of one sample.
-            own: of each acceleration with the least of all others that loops ask for, whatever is given.
+            state: q (nq,), qd, qdd (n,), columns and touching; own: of each with the least others that loops ask for.
         """
         M = mass_matrix(self.model, np.ascontiguousarray(state["q"]), scene=self.open, executor="numpy")
         sources = {name: state[name][None] for name in ("q", "qd", "qdd")}

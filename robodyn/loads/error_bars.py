@@ -98,11 +98,8 @@ def carried(
 
 
 class ErrorBars:
-    """Error bars of joint torques, by their derivatives by derived accelerations, of which something is open.
-
-    Attributes:
-        guessed: whether the motion is of way-points; unknown: whether nothing tells how far accelerations are right.
-    """
+    """Error bars of joint torques, by their derivatives by derived accelerations, of which something is open; guessed:
+    whether the motion is of way-points; unknown: whether nothing tells how far accelerations are right."""
 
     def __init__(self, model: Model, scene: Scene, rates: slice, constraints: ConstraintPass | None) -> None:
         """Args: rates: the entries of tau that are joints; constraints: of the motion, if there are any."""
@@ -154,14 +151,10 @@ class ErrorBars:
         return tuple(found)
 
     def over_block(self, state: Mapping[str, Floats]) -> Floats | float:
-        """Return (joints, N) by how much torques may be off; 0 for guesses.
+        """Return (joints, N) by how much torques may be off, 0 for guesses; state: with noise, off (N, n).
 
         Noise s of accelerations adds up as sqrt(sum_j (M_kj s_j)^2), what is in doubt besides as sum_j |M_kj d_j|:
-        joints that move together have their corners together. Where constraints bear a part, M is that of the first
-        pose.
-
-        Args:
-            state: q (N, nq) and so on; noise, off: (N, n) of accelerations.
+        joints that move together have corners together. Where constraints bear a part, M is that of the first pose.
         """
         noise, off = NOISE * state["noise"], state["off"]
         if self.guessed or not off.any():

@@ -64,10 +64,7 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Worst(JointPeak):
-    """The worst of one joint over all trajectories, each figure with the name of the trajectory that it is from.
-
-    `peak` is of largest magnitude; of `max_speed` this is the magnitude.
-    """
+    """The worst of one joint over all trajectories, each with the trajectory it is from; magnitudes of `max_speed`."""
 
     peak_in: str
     rms_in: str

@@ -180,11 +180,8 @@ class JointLoad(ShaftLoad):
 
 @dataclass(frozen=True)
 class EffectReport:
-    """An effect, whether it is on and why, and what it costs.
-
-    Attributes:
-        operations: per sample, of the recursion with this effect alone; saved: by its absence, None if not asked for.
-    """
+    """An effect, whether it is on and why, and its operations per sample, in the recursion with it alone; saved: by its
+    absence, None if not asked for."""
 
     name: str
     verdict: Verdict

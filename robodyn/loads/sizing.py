@@ -80,14 +80,8 @@ def load_torque(train: Train, tau: Floats, qdd: Floats) -> Floats:
 
 
 def motor_torque(train: Train, load: Floats, qd: Floats, qdd: Floats) -> Floats:
-    """`T = G J qdd + load / (G e^s)`, `s = sign(load qd)`: the torque at the motor's shaft [N m].
-
-    The gear's loss is e of the power that enters it: the motor's when it drives the load, the load's when that drives
-    the motor; none at rest.
-
-    Args:
-        load: of `load_torque` (N,); qd, qdd: of the joint (N,).
-    """
+    """`T = G J qdd + load / (G e^s)`, `s = sign(load qd)`: the torque at the motor's shaft [N m], of loads of
+    `load_torque` (N,). The loss is e of the power that enters the gear, from motor or load; none at rest."""
     driving = np.sign(load) * np.sign(qd)
     share = np.where(driving > 0, 1.0 / train.motor.efficiency, np.where(driving < 0, train.motor.efficiency, 1.0))
     return (train.gear * train.inertia) * qdd + load * share / train.gear

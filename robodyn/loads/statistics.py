@@ -216,12 +216,9 @@ def joint_load(
     shares: Mapping[str, float],
     uncertainty: tuple[float, float | None],
 ) -> JointLoad:
-    """Figures of joint k.
-
-    RMS `sqrt(integral tau^2 dt / T)`, cubic mean `cbrt(integral |qd tau^3| dt / integral |qd| dt)`, work
-    `integral max(+-tau qd, 0) dt`; of one sample its torque is mean and RMS. `uncertainty` is the standard deviation
-    and the error bar of the peak.
-    """
+    """Figures of joint k: RMS `sqrt(integral tau^2 dt / T)`, cubic mean `cbrt(integral |qd tau^3| dt / integral
+    |qd| dt)`, work `integral max(+-tau qd, 0) dt`; of one sample its torque is mean and RMS. `uncertainty` is the
+    standard deviation and the error bar of the peak."""
     totals = gathered.integrals.totals
     travel = float(totals["travel"][k])
     friction = friction_of(joint, scene)
@@ -248,10 +245,8 @@ def joint_load(
 
 
 def shares_at_peaks(plan: Plan, at_peak: Mapping[int, Mapping[str, Floats]], first_rate: int) -> list[dict[str, float]]:
-    """For each joint what every active effect adds to its peak, each from the recursion with that effect alone.
-
-    Accuracy: the shares of a joint add up to its peak within 1e-12 of the largest torque.
-    """
+    """For each joint what every active effect adds to its peak, each from the recursion with that effect alone; they
+    add up to it within 1e-12 of the largest torque."""
     states = [at_peak[k] for k in range(len(at_peak))]
     shares: list[dict[str, float]] = [{} for _ in states]
     if states:

@@ -34,10 +34,8 @@ ROWS = 1024
 
 
 class Figure(NamedTuple):
-    """A quantity: the magnitude of a column, the resultant of two, or a motor's torque, `|a + |b||`.
-
-    `owner` is the joint, "" of the base; `name` one of `DRIVE` or a component's; b is -1 where there is one column.
-    """
+    """The magnitude of column a, the resultant of a and b, or a motor's torque `|a + |b||`; b is -1 where there is one
+    column. `owner` is the joint, "" of the base; `name` one of `DRIVE` or a component's."""
 
     owner: str
     name: str

@@ -33,11 +33,8 @@ class Bar:
 
 @dataclass(frozen=True)
 class UncertainLimit:
-    """A limit of a joint, and whether the motion keeps to it.
-
-    `quantity` is as `Exceeded.quantity`, "motor torque" as a share of what the peak curve allows then; `probability`
-    that the figure's magnitude is within the limit.
-    """
+    """A limit of a joint, and the probability that the motion keeps to it; "motor torque" is a share of what the peak
+    curve allows then, others are as `Exceeded.quantity`."""
 
     quantity: str
     figure: Bar

@@ -165,11 +165,8 @@ class Equations:
         return self._momentum(sample, sample.motions(), applied([PAYLOAD], sample, self.scene).inertias)
 
     def with_momenta(self, P: Array, H: Array, q: Sequence[Scalar], qd: list[Scalar]) -> list[Scalar]:
-        """qd with other rates of the floating base, so that the momenta at q are P and H.
-
-        Momenta are linear in rates: `A dw + m R_0 dv = dP` and `B dw = dH`, where column k of A and B are the momenta
-        of a unit of the base's angular velocity k alone, and R_0 the axes in which v is given.
-        """
+        """qd with other rates of the floating base, so that the momenta at q are P and H: `A dw + m R_0 dv = dP`,
+        `B dw = dH`, columns k of A and B being those of a unit of its angular velocity k, R_0 the axes of v."""
         base = next(body for body in self.model.bodies if body.joint.kind == "floating")
         first, n = base.joint.rate, self.model.n
         now = self.momentum(q, qd)

@@ -135,10 +135,8 @@ def check_closed(plan: Plan, q: Floats, qd: Floats) -> None:
 
 
 def start_caveats(plan: Plan, state: Floats) -> tuple[Caveat, ...]:
-    """The caveats about a start in which the equations of the loops depend on each other.
-
-    With u^T J = 0 a motion keeps u^T J' qd = 0 too, a quadratic form of the speeds; raises if they do not.
-    """
+    """The caveats about a start in which the loops' equations depend on each other: with u^T J = 0 a motion keeps
+    u^T J' qd = 0 too, a quadratic form of the speeds; raises if they do not."""
     if not plan.scene.loops:
         return ()
     chain, model = independent_equations(plan), plan.model
@@ -185,11 +183,8 @@ def _passed(plan: Plan, motion: Motion) -> tuple[Singular, ...]:
 
 
 def _rank_changes(J: Floats) -> list[tuple[int, float, int]]:
-    """Where J (N, m, n) loses rank: a row, the share of the way to the next one, and by how much.
-
-    Along a smooth motion J = U S V^T has smooth singular values that may change their sign: from one record to a later
-    one J_2, the eigenvalues of S^-1 U^T J_2 V are near 1 but for those, which become negative.
-    """
+    """Where J (N, m, n) loses rank: a row, the share of the way to the next, and by how much. Of J = U S V^T and a
+    later J_2 the eigenvalues of S^-1 U^T J_2 V are near 1 but for those that change sign along a smooth motion."""
     U, values, V = np.linalg.svd(J, full_matrices=False)
     lost = (values <= FEW * values[:, :1]).sum(axis=1)
     begun = np.flatnonzero((lost > 0) & (np.append(0, lost[:-1]) == 0))

@@ -85,11 +85,8 @@ class Stiffest(NamedTuple):
 
 
 def stiffest(a_plan: Plan, q: Floats) -> Stiffest | None:
-    """The stiffest of what a scene has at q (N, nq) or (nq,); None where nothing is stiff.
-
-    The largest eigenvalue of M^-1 D for the slopes D of torques over speeds, friction near rest among them, and the
-    root of the largest of M^-1 K for those over positions: springs, those at limits, and drives.
-    """
+    """The stiffest of what a scene has at q (N, nq) or (nq,), None if nothing: the largest eigenvalue of M^-1 D for
+    slopes D of torques over speeds, friction near rest too, or the root of that of M^-1 K over positions."""
     q, model = np.atleast_2d(q), a_plan.model
     damping = [*_damping(a_plan, q)]
     stiffness = [
@@ -180,12 +177,9 @@ def _fastest(M: Floats, slopes: list[Slope], power: float) -> Stiffest | None:
 
 
 def reach(method: Method) -> float:
-    """The longest step times rate that a method with fixed steps follows.
-
-    Of an explicit one the end of `|1 - x b^T (1 + x A)^-1 1| <= 1`; 2 where the new speed moves the position; of an
-    implicit one where each sweep still leaves no more than CONTRACTION of the error, which is x times the spectral
-    radius of A.
-    """
+    """The longest step times rate that a method with fixed steps follows: of an explicit one to the end of
+    `|1 - x b^T (1 + x A)^-1 1| <= 1`; 2 where the new speed moves the position; of an implicit one where each sweep
+    leaves CONTRACTION of the error, x times the spectral radius of A."""
     if method.semi or method.leapfrog:
         return 2.0
     A, b = np.array(method.A), np.array(method.b)

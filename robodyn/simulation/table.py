@@ -37,9 +37,7 @@ class Curve(NamedTuple):
 @dataclass(frozen=True, eq=False)
 class Table:
     """Rows of time (N,) [s], increasing, and of the columns (N,) that a scene names; a simulation begins at the first.
-
-    `origin` is the stamp [s] that time counts from; 0 where these are the stamps.
-    """
+    `origin` is the stamp [s] that time counts from; 0 where these are the stamps."""
 
     file: str | None
     time: Floats
@@ -57,12 +55,9 @@ Source = str | os.PathLike[str] | Mapping[str, ArrayLike] | Table
 def read_table(
     source: Source, scene: Scene, columns: Mapping[str, str] | None = None, time_unit: TimeUnit | None = None
 ) -> Table:
-    """The columns that a scene names, of a file that `robodyn torques` reads (`-` is standard input) or of arrays by
-    name, `time` among them, or as they have been read already; raises where it names none, or one is wrong.
-
-    Args:
-        columns: the scene's name -> the table's; time_unit: of stamps whose column does not tell, s by default.
-    """
+    """The columns that a scene names, of a file that `robodyn torques` reads (`-` is standard input), of arrays by
+    name with `time`, or as read already; raises where it names none, or one is wrong. `columns`: the scene's name ->
+    the table's; `time_unit` of stamps whose column does not tell, s by default."""
     if isinstance(source, Table):
         return source
     names = scene.table_columns

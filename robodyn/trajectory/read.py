@@ -471,11 +471,8 @@ def _each_once(notes: Sequence[str], more: Sequence[str]) -> tuple[str, ...]:
 def row_at(
     reader: TrajectoryReader, time: float, complete: Callable[[Trajectory], Trajectory] = lambda block: block
 ) -> Trajectory:
-    """The sample nearest to `time` [s], the earlier of two that are as near, of blocks that `complete` fills in.
-
-    Raises:
-        TrajectoryError: the time is before the first row or after the last, or the table is wrong.
-    """
+    """The sample nearest to `time` [s], the earlier of two as near, of blocks that `complete` fills in; raises before
+    the first row or after the last."""
     first, best, last = math.nan, None, math.nan
     for block in map(complete, reader.blocks()):
         k = int(np.argmin(np.abs(block.time - time)))

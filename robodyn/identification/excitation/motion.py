@@ -143,11 +143,8 @@ class Fourier:
         return x[:, 0], of_sines / k, of_cosines / (k * k)
 
     def between(self, samples: int) -> float:
-        """Return how many times larger than at even samples of a period |q - c|, |qd| or |qdd| can be between them.
-
-        Ehlich and Zeller 1964: a trigonometric polynomial of degree n is at most 1 / cos(pi n / N) times as large as at
-        N > 2 n even points.
-        """
+        """Return how many times larger than at even samples of a period |q - c|, |qd| or |qdd| can be between them:
+        1 / cos(pi n / N) for degree n at N > 2 n points (Ehlich and Zeller 1964)."""
         return 1.0 / cos(pi * self.harmonics / samples)
 
 

@@ -117,12 +117,8 @@ class Fit(NamedTuple):
 
 @dataclass(frozen=True)
 class Fault:
-    """An effect that the model lacks, or a fault of a sensor.
-
-    Attributes:
-        certain: whether it is told apart from all others; else it would do, with those before it.
-        shares: (n,) of each joint's residual, how much it explains beyond those before it, as a sum of squares.
-    """
+    """An effect that the model lacks, or a fault of a sensor; certain: whether it is told apart from all others, else
+    it would do with those before it; shares: (n,) of each joint's squares of residuals, beyond those before it."""
 
     effect: Effect
     values: Floats

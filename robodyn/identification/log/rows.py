@@ -33,11 +33,8 @@ class Rows(NamedTuple):
 
 
 def states(log: Log, cutoff: float) -> Iterator[Samples]:
-    """Yield the samples of a log with velocities and accelerations, block by block.
-
-    Where positions are noisy, they pass a zero-phase filter of `POSITIONS` times the cutoff, and the derivatives are of
-    what passes; the ends of each stretch are lost to it.
-    """
+    """Yield the samples of a log with velocities and accelerations, block by block. Noisy positions pass a zero-phase
+    filter of `POSITIONS` times the cutoff before they are derived; the ends of each stretch are lost to it."""
     parts = (
         block.cut(slice(start, start + _ROWS), block.begins and start == 0)
         for block in log.blocks()

@@ -169,10 +169,7 @@ def _lengths(A: Floats) -> Floats:
 
 def structural_base(model: Model, scene: Scene = DEFAULT) -> Base:
     """Return the base parameters of a tree in a scene, whose friction and gravity count, from the regressor at random
-    states; raise SceneError if there are loops or contacts.
-
-    Accuracy: `Y[:, independent] matrix` within 1e-10 of the largest entry of each column of Y, at any state.
-    """
+    states; SceneError for loops or contacts. `Y[:, independent] matrix` is within 1e-10 of Y's columns' largest."""
     rows, names = random_rows(model, scene)
     return base_of(np.asarray(np.linalg.qr(rows, mode="r")), names)
 

@@ -142,10 +142,9 @@ class RegressorColumns:
         self.widths = [len(each) + 2 for each in self.used]
 
     def near(self, bodies: Floats, loads: Mapping[int, float]) -> RegressorColumns:
-        """Return the columns that are linear near a fit, where friction grows with load.
+        """Return the columns that are linear near a fit (bodies (b,), loads by places of motors), exact there.
 
-        With m = load sign(s) and t = Y theta + what is known: t + m |t| is, to first order, (1 + m0 sign(t0)) t
-        + (m - m0) |t0|, and exact at the fit, which has these parameters of bodies (b,) and loads by places of motors.
+        With m = load sign(s), t = Y theta + what is known: t + m |t| is about (1 + m0 sign(t0)) t + (m - m0) |t0|.
         """
         found = copy(self)
         found._transmitting, found._loads = bodies, dict(loads)
@@ -170,11 +169,8 @@ class RegressorColumns:
         return np.split(values, np.cumsum(self.widths)[:-1], axis=1)
 
     def compute(self, samples: Samples) -> Floats:
-        """Return (k, sum of widths): of each measured joint its columns, what is known, and the description's torque.
-
-        Springs, wrenches and payloads are known. All of the description's torque is `inverse_dynamics` in the scene.
-        Where a torque is left out its joint's columns are zero.
-        """
+        """Return (k, sum of widths): of each measured joint its columns (zero where its torque is left out), what is
+        known (springs, wrenches, payloads), and the description's torque by `inverse_dynamics` in the scene."""
         motion = samples.q, samples.qd, samples.qdd
         found = regressor(self.model, *motion, scene=self._scene)
         Y, known = found.Y, found.rest

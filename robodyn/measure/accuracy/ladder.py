@@ -37,10 +37,8 @@ class Spread:
 def timed(acts: Mapping[str, Callable[[], Any]], share: float = 1.0) -> dict[str, tuple[Any, Spread]]:
     """Return what each act returns and how long it takes, a share of which counts.
 
-    They take turns, so that all meet the same load of the machine. The first run, which brings code and data to the
-    caches, counts for those alone that are slow; and a short act is run twice in each turn, of which the second counts,
-    or it would pay for what the one before it has left in the caches.
-    """
+    Acts take turns, so that all meet the same load of the machine; a first run counts for slow acts alone, and of short
+    ones each second run, with its code and data in the caches."""
     results = {name: _run(act) for name, act in acts.items()}
     first = {name: took for name, (_, took) in results.items()}
     spent: dict[str, list[float]] = {name: [] for name in acts if first[name] < SLOW}

@@ -222,13 +222,9 @@ def needs_rationals(target: float) -> bool:
 
 
 def with_promise(part: Part, target: float) -> Part:
-    """Return the part with a note that says by which arithmetic the target is met.
+    """Return the part with a note on the arithmetic that meets the target; MeshError: the surface is not known so well.
 
-    Raises:
-        MeshError: what the surface encloses is not known that well.
-
-    Accuracy: bounds are proven for the triangles as given, whose own rounding is reported beside.
-    """
+    Accuracy: bounds are proven for the triangles as given, whose own rounding is reported beside."""
     if part.union is not None and part.union > target:
         raise MeshError(
             f"an accuracy of {target:g} cannot be promised: what the surface encloses is known to {part.union:.0e}",

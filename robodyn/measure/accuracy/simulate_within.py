@@ -188,11 +188,8 @@ class Graze(NamedTuple):
 
 
 def graze(motion: Simulation) -> Graze | None:
-    """Return the limit that the least error of a motion would turn from missed to reached, or the other way round.
-
-    Of the places at which joints turn back before a limit the nearest are looked at; and how far the joint that ended
-    the motion would have gone on, braked as it is at the limit.
-    """
+    """Return the limit that the least error would turn from missed to reached, or back: of the nearest places at which
+    joints turn back, and of how far the joint that ended the motion would have gone on, braked as it is there."""
     limits = Limits(motion.model, motion.scene.joint_limits == "stop")
     if not limits.stops:
         return None

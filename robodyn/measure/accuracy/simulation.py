@@ -41,10 +41,8 @@ CHECKED = 200
 
 @dataclass(frozen=True, eq=False)
 class MotionError:
-    """Differences of states (N, nq + n) relative to the largest number of their kind in a motion, `scale`.
-
-    Kinds are angles, lengths, quaternions (whose largest is 1), angular and linear rates.
-    """
+    """Differences of states (N, nq + n) relative to the largest of their kind in a motion, `scale`: angles, lengths,
+    quaternions (1), angular and linear rates."""
 
     scale: Floats
 
@@ -134,10 +132,8 @@ class Reference:
 
 
 def motion_reference(model: Model, duration: float, run: Run) -> Reference:
-    """Return the motion of a robot from its scene's initial state, in doubles; joint limits are not looked at.
-
-    By DOP853 (or Radau) and by a Gauss-Legendre method of order 6 (or RK4), each the first of its kind that gets
-    through, or InputError is raised. The bound is the largest difference of the two.
+    """Return the motion from the scene's initial state, in doubles, joint limits not looked at: by DOP853 (or Radau)
+    and by Gauss-Legendre of order 6 (or RK4), whichever gets through, or InputError; bound: their largest difference.
     """
 
     def first(ways: list[tuple[str, dict[str, Any]]]) -> Simulation:

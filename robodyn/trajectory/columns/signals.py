@@ -201,11 +201,8 @@ _WORDED = (re.compile(rf"(?:.*[./])?{ANY_WORD}[_./ -](?P<stem>.+)"), re.compile(
 
 @dataclass(frozen=True)
 class Signal:
-    """One coordinate of the robot: a scalar joint, or a floating joint (7 positions, 6 velocities).
-
-    Attributes:
-        lower, upper: limits of the position that count, infinite where there is none; speed: of the velocity.
-    """
+    """One coordinate of the robot: a scalar joint, or a floating joint (7 positions, 6 velocities), with limits of
+    position and speed, infinite where there is none."""
 
     name: str
     kind: Kind

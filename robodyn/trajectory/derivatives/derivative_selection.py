@@ -46,10 +46,8 @@ class Noise:
 
 
 def quantum(values: Floats) -> float:
-    """The step of the grid on which all values (N,) lie (decimals, encoder counts), 0 if they lie on none.
-
-    The greatest common divisor of the gaps between distinct values, by Euclid's algorithm with a tolerance of 1 %.
-    """
+    """The step of the grid on which all values (N,) lie (decimals, encoder counts), 0 if they lie on none: the greatest
+    common divisor of gaps between distinct values, by Euclid's algorithm with a tolerance of 1 %."""
     levels = np.unique(values)
     if len(levels) < 2:
         return 0.0
@@ -145,12 +143,9 @@ def _floor(levels: list[float]) -> float:
 
 
 def by_window(runs: Sequence[tuple[Floats, Floats]], sigma: float) -> tuple[float, ...]:
-    """What white noise, sigma or more, would have to be to scatter the fits on windows of each of `SIZES` as the data's
-    does: the curvatures of parabolas on neighbouring windows that share no sample.
-
-    The median over a table is the noise's as long as it grows no faster with the length than that of coloured noise;
-    from where it does the last value counts.
-    """
+    """What white noise, sigma or more, would have to be to scatter fits on windows of each of `SIZES` as the data's
+    does: by curvatures of parabolas on neighbouring windows that share no sample. The median counts as long as it grows
+    with the length no faster than that of coloured noise; then the last value."""
     found: list[float] = []
     shorter, least, ended = 0.75 * SIZES[0][0], sigma, False
     for size in SIZES:

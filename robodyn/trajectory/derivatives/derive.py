@@ -69,11 +69,8 @@ def plan(groups: Sequence[Group], pieces: Sequence[Trajectory], mode: str, encod
 
 
 def derive(samples: Trajectory, plan: Plan) -> tuple[Trajectory, Floats, Floats]:
-    """The samples with the missing columns of qd and qdd filled in, and (N, n) each of qdd: the standard deviation that
-    comes of noise, and by how much it may be off.
-
-    Raises where stamps almost coincide, or a pause in them is longer than the window that smooths.
-    """
+    """The samples with missing columns of qd and qdd filled in, and (N, n) each of qdd: the standard deviation by noise
+    and by how much it may be off; raises where stamps almost coincide, or a pause exceeds the window that smooths."""
     steps = np.diff(samples.time)
     methods = [selection.method for selection in plan.selections]
     window = min((method.window for method in methods if method.kind in {"savgol", "local"}), default=0)
@@ -114,10 +111,8 @@ def _of_body(Q: Floats, rate: Rate) -> Rate:
 
 
 def sampling(samples: Trajectory, plan: Plan, noise: Floats, off: Floats, rows: slice) -> Sampling:
-    """By how much accelerations of some rows may be off, of a block that is derived, with `noise` and `off` of all.
-
-    In a table of fewer than 24 rows, any motion that rests in every row is within the bars.
-    """
+    """By how much accelerations of some rows of a derived block may be off, with `noise` and `off` of all rows; below
+    24 rows any motion that rests in every row is within the bars."""
     if few := len(samples) < FEW:
         guess, steps = np.zeros_like(off), np.diff(samples.time)[:, None]
         for group in plan.groups:  # a motion that rests in every row reaches 6 |dq| / h^2, 2 |dqd| / h
@@ -170,9 +165,7 @@ def estimated(
     time: Floats, values: Floats, turns: Floats | None, selection: Selection, first: int = 0
 ) -> tuple[Rate, Rate]:
     """The first and second derivatives (N, c) of values (N, c), with error bars; `first` sample counted in the table.
-
-    Accuracy: bars cover 19 of 20 errors of peaks, for motions of all kinds (`accuracy/test_bars_of_motions.py`).
-    """
+    Bars cover 19 of 20 errors of peaks, for motions of all kinds (`accuracy/test_bars_of_motions.py`)."""
     method, sigma = selection.method, selection.sigma
     if method.kind == "savgol" and selection.smooth and not selection.forced:
         # what one window gives, with what the noise leaves, and what a window a third wider changes nearby

@@ -77,10 +77,8 @@ def at_samples(
     time: Floats | None, values: Floats, turns: Floats | None, centres: NDArray[np.intp], width: int, degree: int
 ) -> tuple[Floats, Floats, Floats]:
     """Residual and both derivatives (k, c) at rows `centres` (k,) of values (N, c), each by the polynomial of its own
-    window alone, which near an end stays inside the table. No time: all are a unit apart.
-
-    Accuracy: 1e-11 of the largest derivative where no gap is shorter than a thousandth of the longest.
-    """
+    window alone, inside the table; without time all are a unit apart. Accuracy: 1e-11 of the largest derivative where
+    no gap is shorter than a thousandth of the longest."""
     found, columns = np.empty((3, values.shape[1], len(centres))), np.ascontiguousarray(values.T)
     for some in np.array_split(np.arange(len(centres)), -(-len(centres) * width // _CELLS)):
         centre = centres[some]
@@ -124,11 +122,9 @@ class Windows:
         return int(self.basis.on.shape[1])
 
     def scatter(self, degree: int, sigma: float, noisy: bool) -> Floats:
-        """(w,) what white noise would have to be to explain what a fit of a degree leaves, sigma or more.
-
-        By sums over parts, since what a fit misses has one sign for a while, as correlated noise has. In noisy data
-        what is left that is much larger than noise, and smooth, is a vibration that the fit misses: infinity.
-        """
+        """(w,) what white noise would have to be to explain what a fit of a degree leaves, sigma or more: by sums over
+        parts, since what a fit misses keeps its sign as correlated noise does. Where noisy data leave what is smooth
+        and much larger than noise, the fit misses a vibration: infinity."""
         rest = self.values.copy()
         for on, coefficients in zip(self.basis.on[: degree + 1], self.coefficients, strict=False):
             rest -= on * coefficients

@@ -41,11 +41,8 @@ KIND = "by velocities and accelerations that are not those of the positions"
 
 
 def consistent(groups: Sequence[Group], pieces: Sequence[Trajectory]) -> Floats | None:
-    """(n,) what accelerations are off by from differences of velocities, None if anything may be wrong.
-
-    With equal steps h, of exact data, `_unexplained_steps` and Simpson's rule for velocities must hold as for smooth
-    motions in half of the rows that accelerate.
-    """
+    """(n,) what accelerations are off by from differences of velocities, None if anything may be wrong: with equal
+    steps h, of exact data, `_unexplained_steps` and Simpson's rule must hold in half of the rows that accelerate."""
     found = np.zeros(pieces[0].qdd.shape[1])
     for group in groups:
         if group.kind == "quaternion" or not (group.velocity and group.acceleration):

@@ -178,10 +178,8 @@ def read_messages(name: str) -> list[State]:
 
 
 def yaml_documents(text: bytes, file: str) -> list[Any]:
-    """The documents of YAML as mappings, lists, numbers, texts and None, within limits: no aliases, no tags.
-
-    A scalar without quotes is null, a number in decimals, or text; no dates, no 12:30:45, no yes and no.
-    """
+    """The documents of YAML as mappings, lists, numbers, texts and None, within limits: no aliases, no tags, and plain
+    scalars are null, decimal numbers, or text: no dates, no 12:30:45, no yes and no."""
     import yaml
 
     documents: list[Any] = []
@@ -332,10 +330,8 @@ def _in_order(state: State, names: Sequence[str], quantity: str) -> Sequence[flo
 def _onto(
     stamps: NDArray[np.int64], own: NDArray[np.int64], values: Floats, turns: bool
 ) -> tuple[Floats, NDArray[np.bool_]]:
-    """Values at other stamps (N,) [ns] than their own (k,), and where these stand between two messages without a gap.
-
-    Where they are `turns`, nothing stands between two that differ by more than pi: the nearer counts.
-    """
+    """Values at other stamps (N,) [ns] than their own (k,), and where these stand between two messages without a gap;
+    of `turns` that differ by more than pi the nearer counts."""
     before = np.maximum(np.searchsorted(own, stamps, "right") - 1, 0)
     after = np.minimum(np.searchsorted(own, stamps), len(own) - 1)
     span = own[after] - own[before]

@@ -57,10 +57,7 @@ class Table(ABC):
 
     @abstractmethod
     def blocks(self, columns: Sequence[int], rows: int) -> Iterator[Floats]:
-        """Blocks (k, len(columns)) with 1 <= k <= rows, in the order of the file, every cell finite.
-
-        Each column of a block is contiguous, except in blocks of text.
-        """
+        """Blocks (k, len(columns)) with 1 <= k <= rows, in order, every cell finite; columns contiguous but of text."""
 
     @abstractmethod
     def pieces(self, columns: Sequence[int], count: int, rows: int) -> list[Floats]:
