@@ -41,11 +41,9 @@ from robodyn.identification.result import BaseFit, Errors, Identified, motor_fit
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats, unit_columns
 
-_REPEATED = 3
-"""Gauss-Newton's steps where friction grows with load, which is not linear in the parameters."""
+_REPEATED = 3  # Gauss-Newton's steps where friction grows with load, which is not linear in the parameters
 _COSTLY, _SMALL = 1.5, 2e-3
-_FAR, _TOLD = 2.0, 0.05
-"""Times the fitted error of a joint, and of its torque: held-out errors that are told."""
+_FAR, _TOLD = 2.0, 0.05  # times the fitted error of a joint, and of its torque: held-out errors that are told
 _GAIN = (
     "torques alone cannot tell a gain of all their sensors, or of torque constants, from masses: weigh a body, or log "
     "a payload that is known"

@@ -29,8 +29,7 @@ not taken for smaller; rounds of weights."""
 _LAG = np.arange(LAGS + 1)
 _TAPER = np.where(2 * _LAG < LAGS + 1, 1.0 - 6.0 * (x := _LAG / (LAGS + 1.0)) ** 2 * (1.0 - x), 2.0 * (1.0 - x) ** 3)
 """Parzen's, of each lag."""
-_BOTH = np.where(_LAG > 0, 2.0, 1.0) * _TAPER
-"""How often each lag counts, forwards and backwards, times its taper."""
+_BOTH = np.where(_LAG > 0, 2.0, 1.0) * _TAPER  # how often each lag counts, forwards and backwards, times its taper
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,8 +200,7 @@ def _meat(C: Sequence[Floats], rho: Floats) -> Floats:
     return np.asarray(np.sum(parts, axis=0))
 
 
-SPEEDS = (0.01, 0.03, 0.1, 0.2, 0.4)
-"""Speeds of Stribeck's excess that are compared, in parts of a motor's largest."""
+SPEEDS = (0.01, 0.03, 0.1, 0.2, 0.4)  # speeds of Stribeck's excess that are compared, in parts of a motor's largest
 ROUNDED = 5.0
 """Times the slip speed: breakaway that decays faster would make up for the rounded sign of Coulomb's friction."""
 _COUPLED, _MOST = 0.5, 0.8

@@ -46,13 +46,10 @@ from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats, einsum
 
-FOLDS = 5
-"""Parts of what is fitted, for cross-validation; what is held out is another one."""
-RESTS = 1e-6
-"""rad/s (m/s): a joint that is never faster rests."""
+FOLDS = 5  # parts of what is fitted, for cross-validation; what is held out is another one
+RESTS = 1e-6  # rad/s (m/s): a joint that is never faster rests
 _NOISE = 4.0
-_SLOW = 1e-5
-"""Of the largest speed: below it, derived speeds do not tell the sign of friction."""
+_SLOW = 1e-5  # of the largest speed: below it, derived speeds do not tell the sign of friction
 _JOINTS, _LEAST, _FILLED = 30, 2, 2
 """At most; rows for each base parameter; folds with rows in them, so that what one leaves out is told by another."""
 
@@ -239,8 +236,7 @@ _SAMPLES, _ROWS, _VALUES = 1 << 17, 3000, 2_000_000
 """Samples that are read, and instants that are compared, of at most so many numbers."""
 _MOST, _SHIFTS = 0.15, 60
 """s: delays are looked for up to here, and up to a tenth of a log; so many are compared in either direction."""
-LATE = 0.6
-"""What a delay leaves of the squares at most."""
+LATE = 0.6  # what a delay leaves of the squares at most
 _BENDS = (0.003, 0.01, 0.03)
 """Of a joint's usual speed times 1 s: displacements over which dry friction may turn its sign, which looks late."""
 _LEAN, _ALIKE, _LEANS, _SMALL = 1.0, 0.45, 2, 1e-3

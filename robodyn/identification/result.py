@@ -32,8 +32,7 @@ from robodyn.solids.inertia.properties import MassProperties, from_inertia, from
 from robodyn.support.floats import Floats
 from robodyn.support.wording import count, figure, listed, shown, shown_path, toml_key, toml_string
 
-_LEFT = 1e-3
-"""The part of a body, in its every direction, that is left to its main link at least."""
+_LEFT = 1e-3  # the part of a body, in its every direction, that is left to its main link at least
 
 
 @dataclass(frozen=True)

@@ -34,8 +34,7 @@ if TYPE_CHECKING:
 
 NAMES = (*COLUMNS, "power")
 """Columns of momentum and energy, and the power tau . qd of the actuators and of what moves the base."""
-CHECKED_PER_BLOCK = 64
-"""Samples of each block at which the laws are checked, evenly spread."""
+CHECKED_PER_BLOCK = 64  # samples of each block at which the laws are checked, evenly spread
 Execute = Callable[[Runner, Mapping[str, Floats], int], Run]
 """Runs a program over sources, which are part of so many samples."""
 

@@ -36,16 +36,11 @@ from robodyn.support.floats import Floats, einsum, steady
 from robodyn.trajectory.motion import Sampling, Trajectory
 from robodyn.trajectory.read import sources_of
 
-MOST_SPANS = 20
-"""Spans without contact forces that are told one by one."""
-ROUNDING = 1e-9
-"""A smaller distance from an edge [m], or from all of the friction, is none."""
-NOTHING = 1e-9
-"""Of the largest force at any point: a point with less bears nothing but rounding."""
-TOLD = 1e-6
-"""Of the largest torque of the motion: less than that at a passive joint is not told."""
-MOST_PLACES = 20
-"""Singular places that are told one by one."""
+MOST_SPANS = 20  # spans without contact forces that are told one by one
+ROUNDING = 1e-9  # a smaller distance from an edge [m], or from all of the friction, is none
+NOTHING = 1e-9  # of the largest force at any point: a point with less bears nothing but rounding
+TOLD = 1e-6  # of the largest torque of the motion: less than that at a passive joint is not told
+MOST_PLACES = 20  # singular places that are told one by one
 
 
 class Follower:

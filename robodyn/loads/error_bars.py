@@ -24,17 +24,12 @@ if TYPE_CHECKING:
 
 OPEN = 0.5
 """Of the rms of derived accelerations: what is open above it is not an error of some rows but of the motion."""
-COUNTS = 0.1
-"""Of a joint's peak: what is open of accelerations and makes less of a torque does not count."""
-COARSE = 1e-2
-"""Of the energy that goes in and out: where sampling explains more, it may explain all."""
-NEGLIGIBLE = 1e-3
-"""Of the largest torque: a joint whose peak is smaller is judged as if it had this one."""
+COUNTS = 0.1  # of a joint's peak: what is open of accelerations and makes less of a torque does not count
+COARSE = 1e-2  # of the energy that goes in and out: where sampling explains more, it may explain all
+NEGLIGIBLE = 1e-3  # of the largest torque: a joint whose peak is smaller is judged as if it had this one
 TINY = 1e-300
-RATE = 100.0
-"""Hz that is asked for, and more where there are more samples than that already."""
-VANISHING = 0.01
-"""Of the weight, or of the largest force that balances: a base wrench below it is rounding or noise."""
+RATE = 100.0  # Hz that is asked for, and more where there are more samples than that already
+VANISHING = 0.01  # of the weight, or of the largest force that balances: a base wrench below it is rounding or noise
 
 
 def bar_caveats(joints: Sequence[JointLoad], sizing: Sizing | None) -> Iterator[Caveat]:

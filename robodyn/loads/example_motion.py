@@ -13,16 +13,11 @@ from robodyn.robot.model import Model
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats, first_largest
 
-DURATION, RATE = 10.0, 200.0
-"""Seconds, and samples per second."""
-_SWING = {"revolute": 0.5, "prismatic": 0.1}
-"""Largest distance from the middle of a swing [rad, m]."""
-_SHARE = 0.4
-"""Of the range and of the largest speed that a swing takes."""
-_CLEAR = 1.1
-"""Half-widths from the middle to a limit, so that a swing does not touch it."""
-_PERIODS = (1, 2, 3)
-"""In the duration, joint by joint in turn, so that they do not move in step."""
+DURATION, RATE = 10.0, 200.0  # seconds, and samples per second
+_SWING = {"revolute": 0.5, "prismatic": 0.1}  # largest distance from the middle of a swing [rad, m]
+_SHARE = 0.4  # of the range and of the largest speed that a swing takes
+_CLEAR = 1.1  # half-widths from the middle to a limit, so that a swing does not touch it
+_PERIODS = (1, 2, 3)  # in the duration, joint by joint in turn, so that they do not move in step
 _MOST, _RESTING = 0.95, 0.8
 """Of the limits of effort that the motion may take, and that standing in the middle of it may, if any pose allows."""
 _SMALLER, _LEAST = 0.7, 0.01

@@ -10,10 +10,8 @@ from numpy.typing import NDArray
 
 from robodyn.support.floats import Floats
 
-SPANS = 400
-"""Spans of time that a motion is divided into, about one for each pixel of a plot."""
-_ROOM = 1.3
-"""So many times SPANS may be in use: the duration is an estimate until the motion has ended."""
+SPANS = 400  # spans of time that a motion is divided into, about one for each pixel of a plot
+_ROOM = 1.3  # so many times SPANS may be in use: the duration is an estimate until the motion has ended
 
 
 @dataclass(frozen=True, eq=False)

@@ -35,8 +35,7 @@ LEAST = 1e-9
 NAMES = {"revolute": ("fu", "fv", "fa", "mu", "mv"), "prismatic": ("fu", "fv", "mu", "mv", "ma")}
 _RESULTANTS = ("radial", "tilting")
 _WIDTH = 7
-PIECE = 8192
-"""Samples worked on at a time, so that what belongs to them stays in the cache."""
+PIECE = 8192  # samples worked on at a time, so that what belongs to them stays in the cache
 FOUNDATION = ("fxy", "fz", "mxy", "mz")
 
 

@@ -20,8 +20,7 @@ from robodyn.loads.uncertainty_result import Bar, Uncertain, UncertainJoint, Unc
 from robodyn.programs.vectors import product
 from robodyn.support.floats import BEYOND, Floats, einsum, ranked
 
-NEAR = 1.959963984540054
-"""Standard errors on either side that hold 95 % of a normal figure."""
+NEAR = 1.959963984540054  # standard errors on either side that hold 95 % of a normal figure
 
 
 class Drawn(NamedTuple):
@@ -56,21 +55,16 @@ def normal(u: float) -> float:
     return 0.5 * math.erfc(-u / math.sqrt(2.0))
 
 
-_Limit = tuple[UncertainLimit, NDArray[np.bool_]]
-"""A limit, and (draws,) whether each draw keeps to it."""
+_Limit = tuple[UncertainLimit, NDArray[np.bool_]]  # a limit, and (draws,) whether each draw keeps to it
 
 
 DRAWS, SEED = 20_000, 19
-TRIED = 400
-"""Draws with which the first term is tried."""
+TRIED = 400  # draws with which the first term is tried
 SHIFT, SCATTER = 0.01, 0.03
 """Of the standard error: the mean and the standard deviation of what the first term may miss."""
-TOGETHER = 1000
-"""Draws that are evaluated together."""
-FEW = 128
-"""Samples of which the higher orders of a mean are."""
-FAR = 6.0
-"""Standard errors within which a sample may become the peak."""
+TOGETHER = 1000  # draws that are evaluated together
+FEW = 128  # samples of which the higher orders of a mean are
+FAR = 6.0  # standard errors within which a sample may become the peak
 TINY = 1e-300
 
 

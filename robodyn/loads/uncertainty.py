@@ -25,12 +25,9 @@ _PAIRS = (("radial", 0, 1), ("tilting", 3, 4)), (("radial", 0, 1), ("tilting", 2
 
 DRIVE = ("tau", "motor", "use", "gear")
 """Figures of a joint: its torque, its motor's, that as a share of the peak curve, and what the gear bears."""
-ROOM = 4_000_000
-"""Numbers of derivatives that are held at a time."""
-GROWING = 0.1
-"""Friction that grows with load more than this may put error bars off by more than 5 %."""
-ROWS = 1024
-"""Samples that are kept of the whole motion at the most, evenly spread, and half as many at least."""
+ROOM = 4_000_000  # numbers of derivatives that are held at a time
+GROWING = 0.1  # friction that grows with load more than this may put error bars off by more than 5 %
+ROWS = 1024  # samples that are kept of the whole motion at the most, evenly spread, and half as many at least
 
 
 class Figure(NamedTuple):

@@ -9,8 +9,7 @@ from typing import Literal
 from robodyn.errors import Caveat
 
 Method = Literal["linear", "draws"]
-SURE = 0.95
-"""A verdict that holds with a smaller probability is in doubt."""
+SURE = 0.95  # a verdict that holds with a smaller probability is in doubt
 
 
 @dataclass(frozen=True)

@@ -26,8 +26,7 @@ from robodyn.support.wording import count
 Verdict = Literal["ok", "note", "missing", "broken"]
 _FEATURES = ("avx512f", "avx2", "fma", "sve", "neon")
 _PROBE = Key("doctor", "doctor")
-TOLERANCE = 8 * float(np.finfo(float).eps)
-"""Of the largest result: what rounding may make of the few operations."""
+TOLERANCE = 8 * float(np.finfo(float).eps)  # of the largest result: what rounding may make of the few operations
 _SAMPLES = 1000
 
 

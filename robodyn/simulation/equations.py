@@ -32,10 +32,8 @@ from robodyn.simulation.table import LOAD, RATE, REFERENCE, Curve, curves
 from robodyn.solids.inertia.laws import Inertia
 from robodyn.support.floats import Floats
 
-STATE = "state"
-"""The source of programs whose columns are q, qd, the work done so far and the step."""
-Given = Mapping[Curve, Scalar]
-"""The values of a scene's curves at one moment."""
+STATE = "state"  # the source of programs whose columns are q, qd, the work done so far and the step
+Given = Mapping[Curve, Scalar]  # the values of a scene's curves at one moment
 REST = 2.0**-16
 """Times the square of positions (and 1) per step; what is left of that in a step is less than their rounding."""
 

@@ -13,12 +13,10 @@ from robodyn.errors import InputError
 from robodyn.robot.model import Joint, Model
 from robodyn.support.floats import Floats, first_largest
 
-ASIDE = 0.25
-"""Of a step, to both sides of an extremum of the interpolant: there is that of the method."""
+ASIDE = 0.25  # of a step, to both sides of an extremum of the interpolant: there is that of the method
 DIP = 8.0 / 27.0
 """Cubics dip by at most half of this times the sum of their slopes: twice that deep they may be by the method."""
-FINEST = 1e-8
-"""Of a step: an extremum found to this has its value to a rounding."""
+FINEST = 1e-8  # of a step: an extremum found to this has its value to a rounding
 
 
 class Stop(NamedTuple):

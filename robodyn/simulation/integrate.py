@@ -24,14 +24,10 @@ from robodyn.simulation.table import NEAR, Piece, Signal, pieces
 from robodyn.support.floats import Floats
 from robodyn.support.wording import alternatives
 
-CHUNK = 4096
-"""Steps made at a time; limits are looked at after each."""
-SWEEPS_USUAL = 8
-"""That an implicit step takes."""
-MOST_STEPS = 1e9
-"""Some minutes of work for a small robot."""
-MOST_RECORDS = 100_000
-"""A longer motion is recorded every so many steps, as the report says."""
+CHUNK = 4096  # steps made at a time; limits are looked at after each
+SWEEPS_USUAL = 8  # that an implicit step takes
+MOST_STEPS = 1e9  # some minutes of work for a small robot
+MOST_RECORDS = 100_000  # a longer motion is recorded every so many steps, as the report says
 SHORTER = "give a shorter --step, or --method radau where friction or a drive is stiff"
 
 
@@ -174,16 +170,12 @@ def stepper(plan: Plan, method: Method, executor: str, steps: int, lanes: int = 
     return NumpySteps(STATE, made.width, made.step, made.sweep, made.columns)
 
 
-EXPECTED = 4000
-"""Evaluations that a motion usually takes at least, for which machine code may be quicker."""
-MOST_ROWS = 300_000
-"""Some minutes of work."""
+EXPECTED = 4000  # evaluations that a motion usually takes at least, for which machine code may be quicker
+MOST_ROWS = 300_000  # some minutes of work
 LEAST = {"dop853": 14, "radau": 9, "bdf": 6}
 """Evaluations for the steps from one row of a table to the next, at least."""
-PARTS = 8
-"""Of a step, between which its dense output is as good as cubics where limits are looked for."""
-KNOTS = 8
-"""Rows of a reference, a smooth spline, that a step may pass over."""
+PARTS = 8  # of a step, between which its dense output is as good as cubics where limits are looked for
+KNOTS = 8  # rows of a reference, a smooth spline, that a step may pass over
 
 GENTLER = "give a larger --rtol, or --method radau where friction or a drive is stiff"
 SOFTER = "give a larger --rtol, or softer friction, drives or springs in the scene"

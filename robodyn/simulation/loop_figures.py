@@ -22,8 +22,7 @@ from robodyn.simulation.integrate import Motion
 from robodyn.simulation.table import Signal
 from robodyn.support.floats import Floats
 
-OPEN = 1e-6
-"""m or rad, and per s, by which a given state may miss the loops."""
+OPEN = 1e-6  # m or rad, and per s, by which a given state may miss the loops
 KEPT = 1e-4
 """Of the square of the speeds: what they may miss of staying on the loops, as those typed with six digits do."""
 WORK = 5e8

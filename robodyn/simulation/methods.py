@@ -10,12 +10,9 @@ from robodyn.errors import InputError
 from robodyn.support.floats import Floats
 from robodyn.support.wording import alternatives
 
-STEP = 1e-3
-"""s, where neither a step nor a tolerance is given."""
-RTOL = 1e-9
-"""Of an adaptive method, where none is given."""
-LEAST_RTOL = 1e-13
-"""Below, SciPy's methods only follow rounding."""
+STEP = 1e-3  # s, where neither a step nor a tolerance is given
+RTOL = 1e-9  # of an adaptive method, where none is given
+LEAST_RTOL = 1e-13  # below, SciPy's methods only follow rounding
 
 
 @dataclass(frozen=True)

@@ -24,10 +24,8 @@ from robodyn.simulation.methods import Method
 from robodyn.support.floats import BEYOND, Floats, first_largest, ranked
 from robodyn.trajectory.columns.signals import COMPONENTS
 
-SLOW = 3.0
-"""Slip speeds below which a joint is held: friction then balances up to 95 % of what it is at speed."""
-SHORT = 0.05
-"""Of the motion: a joint that is held for less merely turns back."""
+SLOW = 3.0  # slip speeds below which a joint is held: friction then balances up to 95 % of what it is at speed
+SHORT = 0.05  # of the motion: a joint that is held for less merely turns back
 
 
 @dataclass(frozen=True)

@@ -22,10 +22,8 @@ from robodyn.simulation.table import Piece, Signal, Source, pieces, read_table
 from robodyn.support.floats import Floats
 from robodyn.support.threads import cores, in_threads
 
-TOGETHER = 64
-"""Rollouts whose states go through all steps together: they stay in the first cache."""
-PIECE = 256
-"""Steps at a time whose columns of a table are spread over the rollouts."""
+TOGETHER = 64  # rollouts whose states go through all steps together: they stay in the first cache
+PIECE = 256  # steps at a time whose columns of a table are spread over the rollouts
 
 
 class Rollouts(NamedTuple):

@@ -33,8 +33,7 @@ from robodyn.simulation.stiff_steps import Free, stiff_steps, with_friction
 from robodyn.simulation.table import Signal, Source, read_table
 from robodyn.support.floats import Floats
 
-DURATION = 10.0
-"""s, where none is given and no table says it."""
+DURATION = 10.0  # s, where none is given and no table says it
 
 
 def simulate(

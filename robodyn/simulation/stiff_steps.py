@@ -24,28 +24,21 @@ from robodyn.simulation.methods import Method, MethodOptions, TooMuchError, meth
 from robodyn.simulation.result import Figures
 from robodyn.support.floats import Floats, first_largest
 
-SLIP_SPEED = 1e-3
-"""rad/s, where a joint has Coulomb friction and the scene gives none."""
+SLIP_SPEED = 1e-3  # rad/s, where a joint has Coulomb friction and the scene gives none
 FRICTION = "Coulomb friction near rest"
-CONTRACTION = 0.45
-"""46 sweeps then end in rounding."""
-STEEPEST = 1e200
-"""A slope beyond which steeper is no stiffer, so that nothing overflows."""
+CONTRACTION = 0.45  # 46 sweeps then end in rounding
+STEEPEST = 1e200  # a slope beyond which steeper is no stiffer, so that nothing overflows
 MOST_UNASKED = 1e5
 """Steps, where one shorter than usual is chosen, or evaluations by dop853: rather than more of them, radau."""
-MOST_EVER = 1e9
-"""Evaluations that dop853 is left to: hours. A motion that would take more is not one of a robot."""
+MOST_EVER = 1e9  # Evaluations that dop853 is left to: hours. A motion that would take more is not one of a robot
 LOOKED_AT = 1e5
 """Rows of the mass matrices that a motion is looked at in, about; those around the stiffest come on top."""
-KEPT = 1e-3
-"""Of the energy that a motion turns over: by more than this its balance may not be off."""
-ROUNDING = 1e-10
-"""Of the stored energy, whose zero is arbitrary: what is less is rounding."""
+KEPT = 1e-3  # of the energy that a motion turns over: by more than this its balance may not be off
+ROUNDING = 1e-10  # of the stored energy, whose zero is arbitrary: what is less is rounding
 TOO_LONG = "by steps that are too long for it (STEP TOO LONG)"
 DRIFTS = "by steps that do not keep the energy (ENERGY DRIFTS)"
 """The kinds of caveats about steps that are kept though they are too long, and about motions whose balance is off."""
-Chosen = tuple[MethodOptions, tuple[str, ...]]
-"""By which method and step a motion is followed, and notes about that."""
+Chosen = tuple[MethodOptions, tuple[str, ...]]  # by which method and step a motion is followed, and notes about that
 
 
 @lru_cache(maxsize=16)

@@ -11,11 +11,9 @@ import numpy as np
 from robodyn.errors import Caveat
 from robodyn.support.floats import Floats
 
-NOISE = 2.0
-"""Standard deviations of noise in an error bar."""
+NOISE = 2.0  # standard deviations of noise in an error bar
 _ROWS = ("time", "q", "qd", "qdd")
-FEW = 24
-"""Rows of a table below which they are taken for way-points: what lies between them is anyone's guess."""
+FEW = 24  # rows of a table below which they are taken for way-points: what lies between them is anyone's guess
 
 
 @dataclass(frozen=True)

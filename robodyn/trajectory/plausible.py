@@ -22,20 +22,15 @@ _OTHER = {
 """The unit that is used in place of that of SI: how many make one, its name, and the options that say what is meant."""
 _UNITS = {"angle": "deg", "length": "mm"}
 _TIMES = {"s": "seconds", "ms": "milliseconds", "us": "microseconds", "ns": "nanoseconds"}
-_FAR = {"angle": 2.0 * math.pi, "length": 1.0}
-"""Distance beyond a limit of position [rad, m] to which no joint moves."""
-_SLACK = 0.1
-"""Share of its range by which a joint may be beyond its limits in the unit that is proposed."""
-_FAST = 20.0
-"""Times its limit of speed, at which no joint moves."""
+_FAR = {"angle": 2.0 * math.pi, "length": 1.0}  # distance beyond a limit of position [rad, m] to which no joint moves
+_SLACK = 0.1  # share of its range by which a joint may be beyond its limits in the unit that is proposed
+_FAST = 20.0  # times its limit of speed, at which no joint moves
 _MODERATE = {"angle": 5.0, "length": 1.0}
 """Speeds [rad/s, m/s] that joints reach whose limit is higher, or that have none."""
 _SLOW, _COARSE = 2e-3, 0.15
 """A motion below this share of moderate speeds, sampled at steps [s] from this on, is rather one in ms, us or ns."""
-_LATEST = 5e9
-"""Seconds since 1970 that no clock has reached."""
-_COMPARED = 1 << 12
-"""Rows of a block whose rates are compared with slopes."""
+_LATEST = 5e9  # seconds since 1970 that no clock has reached
+_COMPARED = 1 << 12  # rows of a block whose rates are compared with slopes
 _FEW, _OFTEN = 3, 0.9
 _LIKE, _OFF, _SMOOTH = 0.95, 0.03, 0.1
 """Given rates are the slopes in another unit where the correlation of what they cover and what is covered is above the

@@ -40,8 +40,7 @@ if TYPE_CHECKING:
     from robodyn.trajectory.derivatives.given_rates import GivenRates
 
 BLOCK_ROWS = 1 << 15
-NORM_TOLERANCE = 1e-3
-"""Deviation of a quaternion's norm from 1 above which it is reported."""
+NORM_TOLERANCE = 1e-3  # deviation of a quaternion's norm from 1 above which it is reported
 _PIECES, _PIECE_ROWS = 16, 4096
 _COMPARED = 4, 1024
 _AT_REST = (

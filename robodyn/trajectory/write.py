@@ -17,12 +17,9 @@ from robodyn.support.floats import Floats
 from robodyn.support.threads import in_threads
 from robodyn.trajectory.formats.table import FILE_TYPES
 
-LARGE = 150_000
-"""Cells above which importing polars (0.1 s) costs less than writing without it."""
-PARTS = 4
-"""Parts of a block that are written at once."""
-GROUP_ROWS = 1 << 17
-"""Rows of a row group of Parquet."""
+LARGE = 150_000  # cells above which importing polars (0.1 s) costs less than writing without it
+PARTS = 4  # parts of a block that are written at once
+GROUP_ROWS = 1 << 17  # rows of a row group of Parquet
 _PART = 1 << 10
 
 

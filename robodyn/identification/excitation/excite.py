@@ -36,20 +36,16 @@ from robodyn.scene.fit import refuse_constraints, refuse_load
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import LARGEST, Floats, einsum
 
-PERIOD, HARMONICS, RATE = 10.0, 5, 200.0
-"""[s], of the series, and rows per second."""
+PERIOD, HARMONICS, RATE = 10.0, 5, 200.0  # [s], of the series, and rows per second
 MOST_HARMONICS = 20
-NOISE = 0.01
-"""Of the effort limit: standard deviation of a torque that is measured, where none is given."""
+NOISE = 0.01  # of the effort limit: standard deviation of a torque that is measured, where none is given
 _STARTS, _MANY = 4, 32
 """Places where the search begins, at most; fewer where so many joints move in all of them together."""
 _FINE, _ROOM = 32, 0.99
 """Samples of a period per harmonic of the search, and the part of the effort limits that it may use, so that what lies
 between its samples keeps them too."""
-_SLIP = 0.02
-"""Of the lowest speed limit: where Coulomb friction turns in the search, which needs slopes."""
-_APART = 1e-5
-"""Of a column's length: what a motion shows less of depends on the others, see `Base.within`."""
+_SLIP = 0.02  # of the lowest speed limit: where Coulomb friction turns in the search, which needs slopes
+_APART = 1e-5  # of a column's length: what a motion shows less of depends on the others, see `Base.within`
 
 
 class Information(NamedTuple):

@@ -30,8 +30,7 @@ _ROUNDS, _STEPS, _SETTLED, _SOFT = 12, 5, 1e-3, 0.3
 what is not the bounds'."""
 _GRID = 2.0**12
 """After each round positions are rounded to its reciprocal, so that processors whose last digits differ go on alike."""
-_POSTURES = 200
-"""That are tried for some which effort limits allow."""
+_POSTURES = 200  # that are tried for some which effort limits allow
 
 
 class Programs(NamedTuple):

@@ -18,10 +18,8 @@ from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats, einsum
 from robodyn.support.wording import alternatives, count
 
-MARGIN = 0.05
-"""Of a joint's range that the motion keeps from each limit of position."""
-PERIOD_SAMPLES = 64
-"""Per harmonic: where a motion is held against its limits."""
+MARGIN = 0.05  # of a joint's range that the motion keeps from each limit of position
+PERIOD_SAMPLES = 64  # per harmonic: where a motion is held against its limits
 _SPEEDING = 0.25
 """In so many seconds a joint may reach its limit of speed, where no limit of acceleration is given [s]."""
 _FAR, _NEAR = 1e4, 1e-6
@@ -29,8 +27,7 @@ _FAR, _NEAR = 1e4, 1e-6
 _RANGE, _SPEED = {"revolute": pi, "prismatic": 0.25}, {"revolute": pi, "prismatic": 0.5}
 """Where there is no limit: to each side of 0 [rad, m], and [rad/s, m/s]."""
 _UNIT = {"revolute": "rad", "prismatic": "m"}
-_SMALLER, _LEAST = 0.99, 1e-3
-"""By steps of which a motion is made smaller, and to which part of it at most."""
+_SMALLER, _LEAST = 0.99, 1e-3  # by steps of which a motion is made smaller, and to which part of it at most
 
 
 @dataclass(frozen=True, eq=False)

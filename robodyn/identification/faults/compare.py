@@ -28,13 +28,11 @@ from robodyn.support.floats import Floats, einsum, unit_columns
 from robodyn.trajectory.plausible import refuse_units
 
 _FEWEST = 100
-_STILL = 1e-9
-"""Of the largest torque, and rad/s: what is less does not vary, or move."""
+_STILL = 1e-9  # of the largest torque, and rad/s: what is less does not vary, or move
 _CLEAR, _LESS = 0.25, 0.7
 """Of the residual's sum of squares with channels as they are, what the right ones leave at most: as geometric mean, and
 each of them."""
-_FAR = 10.0
-"""Measured torques that are so many times the computed ones, or so small a part of them, are doubtful."""
+_FAR = 10.0  # measured torques that are so many times the computed ones, or so small a part of them, are doubtful
 
 
 class Channels(NamedTuple):

@@ -15,16 +15,13 @@ from robodyn.support.floats import Floats, einsum, ranked, unit_columns
 OWN = ("gain", "offset", "viscous", "coulomb", "rotor", "delay")
 """The parameters of each joint, in order: `gain` is relative, less one."""
 GAIN, OFFSET, VISCOUS, COULOMB, ROTOR, DELAY = range(len(OWN))
-LEVEL = 0.01
-"""The probability that noise alone makes any fault be told."""
+LEVEL = 0.01  # the probability that noise alone makes any fault be told
 SHARE = 0.02
 """Of a joint's residual, as a sum of squares: an uncertain fault that explains less everywhere is not told."""
 LEAST = 1e-4
 """Of the measured torque: what explains less of its residual is of no use, and may be of derivatives from positions."""
-NOTHING = 0.05
-"""Of friction or a rotor that the model has: so much less than nothing may be noise."""
-ROUNDING = 1e-5
-"""Of the measured torques: none is known better, nor are accelerations from positions."""
+NOTHING = 0.05  # of friction or a rotor that the model has: so much less than nothing may be noise
+ROUNDING = 1e-5  # of the measured torques: none is known better, nor are accelerations from positions
 LOST, BLURRED = 0.01, 0.03
 """A gain below this tells nothing of the robot; beyond this standard error neither it nor a delay is looked for, as the
 computed torque is next to nothing, and is itself estimated."""

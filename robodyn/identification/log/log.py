@@ -23,25 +23,20 @@ from robodyn.trajectory.read import read_motion
 
 _COARSE, _VALUES = 0.01, 500
 """Of a torque's range: steps that are told; values from which on a torque does not come in steps."""
-_NOISE = 1 << 13
-"""Samples from whose positions the noise is told."""
+_NOISE = 1 << 13  # samples from whose positions the noise is told
 GAP, _EVEN = 4.5, 1e-3
 """So many steps without a row part a log in stretches; stamps that are off a grid by less than this part are even."""
-_FEWEST, SIGHT = 64, 1 << 17
-"""Rows up to which nothing is compared; samples from whose torques the noise is told."""
+_FEWEST, SIGHT = 64, 1 << 17  # rows up to which nothing is compared; samples from whose torques the noise is told
 REMEDY = "is it the right log, and are torques recorded?"
-_HALO = 8
-"""Rows on either side that an interpolated value sees."""
+_HALO = 8  # rows on either side that an interpolated value sees
 _WIDTH, _DEVIATIONS = 7, 10.0
 """Samples of the running median, by which three wrong ones next to each other are seen; times what torques are usually
 off it."""
 _OFTEN, _PILED = 8, 5.0
 """Samples at a torque's extreme, and how many times those one and two steps below, from which on it is clipped; the top
 of a parabola is reached 2.4 times as often as what is one step below."""
-_SHARE = 0.5
-"""Of the range of 98 % of the running medians."""
-_LOUD = 10.0
-"""Times the noise: torques that are compared."""
+_SHARE = 0.5  # of the range of 98 % of the running medians
+_LOUD = 10.0  # times the noise: torques that are compared
 
 
 @dataclass(frozen=True)

@@ -13,15 +13,13 @@ from robodyn.support.floats import Floats
 
 POSITIONS = 2.5
 """Positions pass up to so many times the cutoff: what friction makes of a turn is sharper than what is compared."""
-_ROWS = 4096
-"""Samples that are worked on at a time."""
+_ROWS = 4096  # samples that are worked on at a time
 
 Arrays = tuple[Floats, ...]
 SHAPE, PERIODS = 8.0, 5.1
 """Of Kaiser's window, by which the pass band is flat within 1e-4 and what is stopped keeps 1e-4; half the length of the
 kernel in periods of the cutoff, which takes it from 0.75 to 1.25 times the cutoff (Kaiser's rule)."""
-_TOGETHER = 32
-"""So many values are summed by one product of matrices."""
+_TOGETHER = 32  # so many values are summed by one product of matrices
 
 
 class Rows(NamedTuple):

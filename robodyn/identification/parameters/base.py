@@ -24,8 +24,7 @@ _EARLY_ENOUGH = 1e-3
 _NOTHING, _ROUNDING = 1e-9, 1e-13
 """Of the longest column of the same unit: a shorter one is zero but for rounding and truncated angles; and of a sum's
 terms."""
-_LONG = 8
-"""Words of a group, about three terms."""
+_LONG = 8  # words of a group, about three terms
 _UNITS = {name: "kg" if name == "m" else "kg m" if name.startswith("m") else "kg m^2" for name in INERTIAL}
 
 

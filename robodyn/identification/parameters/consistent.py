@@ -30,8 +30,7 @@ _FLAT, _THICKNESS = 1e-6, 1e-2
 """Of the largest second moment: one below is not told from an impossible body's, and what takes its place."""
 _POINT, _GYRATION = 1e-4, 0.1
 """Of a body's size: the radius of gyration below which it is described as a point, and what takes its place."""
-_SHARE = 1e-3
-"""Mass of a body that is described without, in parts of the robot's."""
+_SHARE = 1e-3  # mass of a body that is described without, in parts of the robot's
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,8 +193,7 @@ def _box(description: Description, shape: Shape) -> Box:
     return Box(corners.min(axis=0), corners.max(axis=0)).placed(*placement(geometry.origin))
 
 
-MARGIN = 1e-6
-"""P - MARGIN P0 is positive definite, so that rounding in print makes no body impossible."""
+MARGIN = 1e-6  # P - MARGIN P0 is positive definite, so that rounding in print makes no body impossible
 _FLOOR = 1e-12
 """The least strength, in parts of ||z||^2, and the weight of the barriers of bounds where the path ends."""
 _SIGNS = {"viscous": 1.0, "coulomb": 1.0, "forward": 1.0, "backward": -1.0, "stribeck": 1.0, "load": 1.0, "rotor": 1.0}
@@ -204,12 +202,10 @@ _NEXT, _CENTRED, _SETTLED = 0.05, 1.0, 1e-8
 which the last point is the minimum."""
 _STEPS, _LAST = 400, 12
 """Newton's steps at most, and those at the end of the path after which what is left is rounding."""
-BASIS = np.zeros((10, 4, 4))
-"""An orthonormal basis (10, 4, 4) of the symmetric matrices."""
+BASIS = np.zeros((10, 4, 4))  # an orthonormal basis (10, 4, 4) of the symmetric matrices
 for _k, (_i, _j) in enumerate(zip(*np.triu_indices(4), strict=True)):
     BASIS[_k, _i, _j] = BASIS[_k, _j, _i] = 1.0 if _i == _j else 0.5**0.5
-_ONE = einsum("kii->k", BASIS)
-"""The coordinates of the identity."""
+_ONE = einsum("kii->k", BASIS)  # the coordinates of the identity
 
 
 def coordinates(V: Floats) -> Floats:

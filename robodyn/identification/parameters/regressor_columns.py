@@ -22,12 +22,9 @@ PARAMETERS = ("viscous", "coulomb", "offset", "stribeck", "rotor", "load")
 """Of a motor. `coulomb` and `offset` are half the difference and half the sum of friction forwards and backwards, which
 no motion tells from a torque sensor's offset; `stribeck` is the torque of breakaway; `load` is the part of the torque
 through the gear that is friction."""
-_WAITING = 1024
-"""Rows that are added to a factor at a time."""
-_OUTLIER = 3.0
-"""Standard deviations above which a residual counts as if it were there (Huber)."""
-LAGS = 12
-"""Rows apart up to which residuals are taken for correlated."""
+_WAITING = 1024  # rows that are added to a factor at a time
+_OUTLIER = 3.0  # standard deviations above which a residual counts as if it were there (Huber)
+LAGS = 12  # rows apart up to which residuals are taken for correlated
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,10 +13,8 @@ from robodyn.errors import InputError
 
 SPREAD_BUDGET, SPREAD_ROUNDS = 1.0, 5
 """Seconds for which rounds are repeated; so many at least, and at most 200 times as many."""
-SLOW, CACHED = 0.5, 0.01
-"""Seconds from which one run has to do, and below which what stands in the caches matters."""
-ROUNDING = 2.0**-53
-"""Of a result to a float."""
+SLOW, CACHED = 0.5, 0.01  # seconds from which one run has to do, and below which what stands in the caches matters
+ROUNDING = 2.0**-53  # of a result to a float
 
 
 @dataclass(frozen=True)

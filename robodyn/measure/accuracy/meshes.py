@@ -30,12 +30,9 @@ from robodyn.support.floats import Floats
 
 COLUMNS = 256, 4096, 65536
 POINTS = 100, 1000, 10000
-TOLERANCES = 3e-2, 3e-3
-"""Of decimated surfaces, shares of the diagonal of the box."""
-OPERATIONS = 112
-"""Of the integral over a triangle, nine of them to take its corners to the point of reference."""
-MOST_TESTS = 20_000_000
-"""Of random points against triangles: a second or two."""
+TOLERANCES = 3e-2, 3e-3  # of decimated surfaces, shares of the diagonal of the box
+OPERATIONS = 112  # of the integral over a triangle, nine of them to take its corners to the point of reference
+MOST_TESTS = 20_000_000  # of random points against triangles: a second or two
 
 
 def mesh_accuracy(triangles: Triangles) -> Accuracy:

@@ -30,25 +30,19 @@ CODE, SCIPY, CALLED = 2e-9, 1e-4, 1e-7
 the evaluation; and of machine code per evaluation, beside its operations."""
 ALLOWED, SHARES = 20.0, 4
 """Seconds of work on a typical machine that the search for an accuracy may take in all; ways that share it."""
-FIRST = 5e4
-"""Evaluations for the usual motion, which the search begins with."""
-FIRST_STEP, LAST_STEP, TINY = 1.6e-2, 1e-8, 1e-300
-"""s: the steps that are halved, from the first to the last."""
+FIRST = 5e4  # evaluations for the usual motion, which the search begins with
+FIRST_STEP, LAST_STEP, TINY = 1.6e-2, 1e-8, 1e-300  # s: the steps that are halved, from the first to the last
 SLOWEST, FLOOR = 1.5, 8.0
 """A step half as long has to leave no more than 1 / 1.5 of the difference, or the error has reached its floor, where it
 is multiplied with 8."""
-GROWN = 1.5
-"""Twice as many whole steps have to make at least so many times as many in all."""
-NEAREST = 16
-"""Turns that are looked at closely."""
-HALVED, TIGHTENED = ("rk4", "gauss6"), ("radau",)
-"""Methods whose steps are halved, or whose tolerance is tightened."""
+GROWN = 1.5  # twice as many whole steps have to make at least so many times as many in all
+NEAREST = 16  # turns that are looked at closely
+HALVED, TIGHTENED = ("rk4", "gauss6"), ("radau",)  # methods whose steps are halved, or whose tolerance is tightened
 CONFIRMING = {"rk4": ("dop853", "gauss6", "radau"), "gauss6": ("dop853", "rk4", "radau"), "radau": ("bdf",)}
 """Methods of which one has to agree; those with fixed steps where SciPy's are too much work, as with many rows."""
 TIGHTER = 1.0, 30.0, 1000.0
 """Parts of the target to which a motion is refined, one after the other where another method does not agree."""
-ROUNDING = 2.0**-51
-"""Of the largest number of a motion: no error is below."""
+ROUNDING = 2.0**-51  # of the largest number of a motion: no error is below
 APART = 'move the limit or the start, or write joint_limits = "spring" or "ignore" in the scene'
 
 

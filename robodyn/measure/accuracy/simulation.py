@@ -31,12 +31,9 @@ from robodyn.support.floats import Floats
 _ANGLE, _LENGTH, _TURN, _RATE, _SPEED = range(5)
 COMPARED, SAME = 50, 1e-12
 """Records at which motions by different methods are compared; times nearer than this part of them are the same."""
-Run = Callable[..., Simulation]
-"""`simulate` with all but the duration and the method."""
-REFERENCE_MOST = 2e5
-"""Evaluations of an adaptive method, after which another one is tried."""
-CHECKED = 200
-"""Times at which two motions are compared, at most."""
+Run = Callable[..., Simulation]  # `simulate` with all but the duration and the method
+REFERENCE_MOST = 2e5  # evaluations of an adaptive method, after which another one is tried
+CHECKED = 200  # times at which two motions are compared, at most
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,19 +158,13 @@ def motion_reference(model: Model, duration: float, run: Run) -> Reference:
     return Reference(at, measure, bound, end, how)
 
 
-DURATION, LONGEST = 2.0, 2.0
-"""s of a motion, where none is given, and that one run may take."""
-STEPS = 1.6e-2, 4e-3, 1e-3, 2.5e-4, 6.25e-5
-"""s, of methods with a fixed step, while they gain digits."""
+DURATION, LONGEST = 2.0, 2.0  # s of a motion, where none is given, and that one run may take
+STEPS = 1.6e-2, 4e-3, 1e-3, 2.5e-4, 6.25e-5  # s, of methods with a fixed step, while they gain digits
 TOLERANCES = 1e-4, 1e-7, 1e-10, 1e-13
-MOST = 1e5
-"""Evaluations of an adaptive method: stiff motions are not for every one."""
-GAIN = 0.5
-"""A shorter step is tried if the one before left less than this share of the error."""
-SEEN = 64
-"""Recorded times at which errors are measured, at most."""
-BEFORE_LIMIT = 0.99
-"""Share of the motion up to a joint's limit that is compared."""
+MOST = 1e5  # evaluations of an adaptive method: stiff motions are not for every one
+GAIN = 0.5  # a shorter step is tried if the one before left less than this share of the error
+SEEN = 64  # recorded times at which errors are measured, at most
+BEFORE_LIMIT = 0.99  # share of the motion up to a joint's limit that is compared
 
 
 def simulation_accuracy(

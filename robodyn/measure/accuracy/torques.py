@@ -41,19 +41,16 @@ from robodyn.trajectory.motion import Derivation, Trajectory
 from robodyn.trajectory.options import MODES
 from robodyn.trajectory.read import motion, read_motion, sources_of
 
-LADDER_SAMPLES = 16
-"""Of the motion, evenly spaced, on which errors are measured."""
+LADDER_SAMPLES = 16  # of the motion, evenly spaced, on which errors are measured
 DIGITS, FEWER_DIGITS = 50, 20
 
 Sources = Mapping[str, np.ndarray[Any, Any]]
 Ways = dict[str, tuple[Any, Callable[..., Any]]]
 """By its name each executor that runs here, its type of numbers, and what makes it ready from a program and widths."""
-EVERY, FEWEST = (1, 2, 4, 8), 32
-"""Of so many samples one is kept, and samples that are left at least."""
+EVERY, FEWEST = (1, 2, 4, 8), 32  # of so many samples one is kept, and samples that are left at least
 PROMISE_SAMPLES, PROMISE_DIGITS = 64, 40
 """Of the motion, evenly spaced, on which errors are measured; of what they are measured against."""
-MARGIN = 4.0
-"""Of what the largest error elsewhere may be, of that among the samples."""
+MARGIN = 4.0  # of what the largest error elsewhere may be, of that among the samples
 
 
 def compile_anew(program: Program, widths: Mapping[str, int], dtype: Any = np.float64) -> None:

@@ -44,8 +44,7 @@ _SHOWN = 8
 ABSENT = -1
 T = TypeVar("T")
 _ALIKE = 0.7
-_LETTERS = 3
-"""Letters at least of a name that another may have in it."""
+_LETTERS = 3  # letters at least of a name that another may have in it
 _COMPARED, _OPTIONS = 200, 8
 """So many unknown columns are compared with the names of joints, so many options written out."""
 

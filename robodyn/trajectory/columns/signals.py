@@ -17,12 +17,9 @@ if TYPE_CHECKING:
 
 TimeUnit = Literal["s", "ms", "us", "ns"]
 AngleUnit = Literal["rad", "deg"]
-TICKS = {"s": 1, "ms": 10**3, "us": 10**6, "ns": 10**9}
-"""How many of a unit of time make a second."""
-ANGLES = {"rad": 1.0, "deg": 180.0 / math.pi}
-"""How many of a unit of angle make a radian."""
-RATES = ("", "/s", "/s^2")
-"""What follows the unit of a position, of a velocity and of an acceleration."""
+TICKS = {"s": 1, "ms": 10**3, "us": 10**6, "ns": 10**9}  # how many of a unit of time make a second
+ANGLES = {"rad": 1.0, "deg": 180.0 / math.pi}  # how many of a unit of angle make a radian
+RATES = ("", "/s", "/s^2")  # what follows the unit of a position, of a velocity and of an acceleration
 
 
 class Unit(NamedTuple):
@@ -63,8 +60,7 @@ def split_unit(column: str) -> Iterator[tuple[str, str]]:
         yield found[1], found[2]
 
 
-EPOCH = 1e8
-"""Seconds from which a stamp is taken to count from a distant origin, as that of 1970."""
+EPOCH = 1e8  # seconds from which a stamp is taken to count from a distant origin, as that of 1970
 _NANO = TICKS["ns"]
 _PATTERNS = (
     (r"_*time|t|time_?stamps?", None),
@@ -184,8 +180,7 @@ Place = tuple[Quantity, int]
 POSE = ("x", "y", "z", "qx", "qy", "qz", "qw")
 TWIST = ("wx", "wy", "wz", "vx", "vy", "vz")
 TWIST_RATE = ("wdx", "wdy", "wdz", "ax", "ay", "az")
-COMPONENTS = ("fx", "fy", "fz", "mx", "my", "mz")
-"""Of a wrench, in the order of its columns."""
+COMPONENTS = ("fx", "fy", "fz", "mx", "my", "mz")  # of a wrench, in the order of its columns
 TIME_NAMES = ("time", "t", "timestamp")
 MEASURED: dict[Quantity, str] = {"q": "position", "qd": "velocity", "qdd": "acceleration", "tau": "torque"}
 WORDS: dict[str, Quantity] = {

@@ -23,8 +23,7 @@ from robodyn.trajectory.derivatives.differentiate import (
 )
 from robodyn.trajectory.motion import NOISE
 
-HIGHEST = 14
-"""Highest difference looked at."""
+HIGHEST = 14  # highest difference looked at
 _LEVEL = 0.7  # ratio of successive differences above which they no longer fall
 _STILL = 32
 FINEST_ENCODER = 2.0 * math.pi / 1024
@@ -32,8 +31,7 @@ _APART = 18
 _COLOURED = 1.5  # power of a window's length: noise of steeper spectra is taken for motion
 _UNSURE = 2.0
 _MEDIAN = 0.6744897501960817
-Run = tuple[Floats, Floats, Floats]
-"""A stretch of a table: time (N,), values as given and to differentiate (N, c)."""
+Run = tuple[Floats, Floats, Floats]  # a stretch of a table: time (N,), values as given and to differentiate (N, c)
 
 
 @dataclass(frozen=True)
@@ -170,10 +168,8 @@ def by_window(runs: Sequence[tuple[Floats, Floats]], sigma: float) -> tuple[floa
 
 
 WINDOWS = (7, 9, 13, 17, 23, 31, 41, 55, 75, 101, 135, 181, 241, 321, 431, 575, 767, 1023, 1365, 1819)
-HARMLESS = 1e-3
-"""Noise of the spline's derivative, relative to the derivative's rms, below which nothing is smoothed."""
-NEAR = 3
-"""Neighbours whose changes count in an error bar."""
+HARMLESS = 1e-3  # noise of the spline's derivative, relative to the derivative's rms, below which nothing is smoothed
+NEAR = 3  # neighbours whose changes count in an error bar
 _CENTRES = 1024
 _TURNED = 4.0
 _RESIDUAL = 2.0

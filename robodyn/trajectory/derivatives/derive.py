@@ -138,16 +138,11 @@ def sampling(samples: Trajectory, plan: Plan, noise: Floats, off: Floats, rows: 
 INNER, END, WIDER = 3.0, 8.0, 3.0
 """Bars of one window for all samples: standard deviations of the noise, in the middle and near an end, and how often
 counts what a wider window changes."""
-CORNER = 1e-3
-"""Of the rms of a derivative: where the spline may be off by more, there may be a corner."""
-FEWEST = 6
-"""Samples of which half are enough for a second derivative."""
-NOISY = 128
-"""Rows of a table below which what looks like noise may as well be the motion."""
-CLEAR = 3.0
-"""Doubt over noise, up to which a window is not suspected to have a jump in it."""
-ALIKE = 8.0
-"""Ratio of two bars, up to which neither of two windows that disagree is taken for the better one."""
+CORNER = 1e-3  # of the rms of a derivative: where the spline may be off by more, there may be a corner
+FEWEST = 6  # samples of which half are enough for a second derivative
+NOISY = 128  # rows of a table below which what looks like noise may as well be the motion
+CLEAR = 3.0  # doubt over noise, up to which a window is not suspected to have a jump in it
+ALIKE = 8.0  # ratio of two bars, up to which neither of two windows that disagree is taken for the better one
 EDGE = 2.0
 """Of what an acceleration changes by from one sample to the next: how much that may be off at either end of a window,
 since positions do not tell a corner just before the last sample."""

@@ -17,22 +17,16 @@ from numpy.typing import NDArray
 
 from robodyn.support.floats import Floats, einsum
 
-DEGREE = 6
-"""The highest degree that is fitted to a window."""
+DEGREE = 6  # the highest degree that is fitted to a window
 SIZES = ((6, 1), (7, 1), *((parts, 1 << k) for k in range(8) for parts in (9, 12, 15)))
 """Of the windows of each length: parts, and the samples of a part, by which one begins after the other."""
-LOUD = 4.0
-"""Times its standard deviation in the table, from which on what a window leaves is no noise."""
-SMOOTH = 1.0
-"""Ratio of the mean squares of what is left, from sample to sample and as it is; 2 of white noise."""
+LOUD = 4.0  # times its standard deviation in the table, from which on what a window leaves is no noise
+SMOOTH = 1.0  # ratio of the mean squares of what is left, from sample to sample and as it is; 2 of white noise
 _CELLS = 1 << 15
-_OWN = np.array((1.0, 2.0))
-"""How often p_k and its slope count in the slope and the curvature of x p_k."""
+_OWN = np.array((1.0, 2.0))  # how often p_k and its slope count in the slope and the curvature of x p_k
 ORDER = 4
-FEWEST = 7
-"""Samples of a spline; through fewer goes one polynomial."""
-REACH = 64
-"""Samples over which a quintic spline forgets: its influence falls by 0.4306 a sample, to 4e-24 here."""
+FEWEST = 7  # samples of a spline; through fewer goes one polynomial
+REACH = 64  # samples over which a quintic spline forgets: its influence falls by 0.4306 a sample, to 4e-24 here
 
 
 class Basis(NamedTuple):

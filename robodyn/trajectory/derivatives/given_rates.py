@@ -18,23 +18,17 @@ from robodyn.trajectory.motion import NOISE, Sampling, Trajectory, cut
 if TYPE_CHECKING:
     from robodyn.trajectory.derivatives.derive import Plan
 
-PIECES, ROWS = 4, 1024
-"""Of a table, that are compared."""
+PIECES, ROWS = 4, 1024  # of a table, that are compared
 OFTEN, BEYOND = 0.1, 2.0
 """Share of rows in which accelerations are off by more than so many bars: they are not those of the positions."""
-SPEED_OFF = 0.05
-"""Of the rms of velocities from the positions: given ones that are off by more are not these."""
-DOUBTED = 0.02
-"""Of the rms of accelerations: where they are off by less, the error bars say enough."""
-ROUNDING = 1e-6
-"""Of the rms of accelerations: what they may be off by in any case."""
+SPEED_OFF = 0.05  # of the rms of velocities from the positions: given ones that are off by more are not these
+DOUBTED = 0.02  # of the rms of accelerations: where they are off by less, the error bars say enough
+ROUNDING = 1e-6  # of the rms of accelerations: what they may be off by in any case
 ALMOST = 1e-2  # of their distance from derivatives of the positions: so near velocities are to simple differences
 BETTER = 0.25
 """Of what derivatives of positions leave unexplained of their steps: where what is given leaves less, it is right."""
-CLEAR = 0.2
-"""Of the rms of accelerations: where positions leave more open, they do not tell velocities either."""
-EXPLAINED = 0.5
-"""Of squares of what accelerations are off by: if a delay explains more, they lag."""
+CLEAR = 0.2  # of the rms of accelerations: where positions leave more open, they do not tell velocities either
+EXPLAINED = 0.5  # of squares of what accelerations are off by: if a delay explains more, they lag
 _MOVES, _EVEN, _EXACT = 1e-3, 1e-6, 1e-8
 """Of the largest acceleration: rows that accelerate; of steps or accelerations: what is equal; and of speeds."""
 KIND = "by velocities and accelerations that are not those of the positions"

@@ -17,25 +17,18 @@ from robodyn.trajectory.motion import Trajectory, cut
 
 Flags = NDArray[np.bool_]
 
-SHORTEST, LONGEST = 4, 256
-"""Rows of the windows looked at."""
-SEEN = 1 << 12
-"""Rows of the first block that stand for a table whose velocities are all given."""
+SHORTEST, LONGEST = 4, 256  # rows of the windows looked at
+SEEN = 1 << 12  # rows of the first block that stand for a table whose velocities are all given
 REACH = 3 * LONGEST
 """Neighbours on either side that tell whether a row stands still; without them a block is judged for itself."""
-SCATTER = 8.0
-"""Standard deviations of noise over which positions that stand still are spread."""
-GRID = 0.4
-"""Of a step of the grid: noise up to this is that of rounding to it."""
+SCATTER = 8.0  # standard deviations of noise over which positions that stand still are spread
+GRID = 0.4  # of a step of the grid: noise up to this is that of rounding to it
 LEAVES = 28.0
 """How many times its resolution a joint moves, within twice the length of a short standstill before and after it; at a
 turning point of its motion it moves 24 times as far as in the time in which it seems to stand still."""
-SLIGHT = 0.01
-"""Of the largest speed in a table: what may be noise of speeds that are given."""
-NEAR = 32
-"""Rows within which noise changes its sign twice."""
-SURE = 4.0
-"""Standard errors of their mean, beyond which speeds that are given are no noise."""
+SLIGHT = 0.01  # of the largest speed in a table: what may be noise of speeds that are given
+NEAR = 32  # rows within which noise changes its sign twice
+SURE = 4.0  # standard errors of their mean, beyond which speeds that are given are no noise
 _ROUNDING = 4.0 * float(np.finfo(np.float64).eps)
 
 

@@ -22,8 +22,7 @@ from robodyn.trajectory.columns.layout import listing
 from robodyn.trajectory.formats.messages import KINDS, LogTable, states_of, yaml_documents
 from robodyn.trajectory.formats.table import BAGS, METADATA, decoding
 
-_LEAST = 1 << 28
-"""Bytes that may always come out of a bag."""
+_LEAST = 1 << 28  # bytes that may always come out of a bag
 _STEPS = 10_000
 _DYNAMIC = """std_msgs/Header header
 string[] joint_names

@@ -29,8 +29,7 @@ if TYPE_CHECKING:
     from decimal import Decimal
 
 BLANK = b" "
-LARGE = 4_000_000
-"""Bytes of a file above which importing polars (0.1 s) costs less than reading without it."""
+LARGE = 4_000_000  # bytes of a file above which importing polars (0.1 s) costs less than reading without it
 _PART = 1 << 20
 _MARKS = {b"\xff\xfe": "UTF-16", b"\xfe\xff": "UTF-16", b"\x1f\x8b": "gzip", b"PK": "zip", b"PA": "Parquet"}
 

@@ -23,14 +23,12 @@ from robodyn.trajectory.formats.table import ArrayTable, decoding
 QUANTITIES = {"position": "q", "velocity": "qd", "acceleration": "qdd", "effort": "tau"}
 """What messages call what columns are called."""
 NANO = 1_000_000_000
-_LATEST = 1 << 62
-"""ns, either way: stamps and their differences are whole numbers of 64 bits."""
+_LATEST = 1 << 62  # ns, either way: stamps and their differences are whole numbers of 64 bits
 _STAMPS = (("sec", "secs"), ("nanosec", "nsec", "nsecs", "nanosecs"))
 _WHOLE = re.compile(r"[-+]?[0-9]{1,18}")
 _NUMBER = re.compile(r"[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?")
 _FURTHER = re.compile(r"([-+]?)\.(inf|Inf|INF|nan|NaN|NAN)")
-_GAP = 4.5
-"""So many of its steps without a message, and nothing is said of a joint between."""
+_GAP = 4.5  # so many of its steps without a message, and nothing is said of a joint between
 
 
 class State(NamedTuple):

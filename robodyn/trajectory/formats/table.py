@@ -25,13 +25,11 @@ FILE_TYPES = {
 """The kind of table by the suffix of its file."""
 BAGS, MESSAGES = (".db3", ".mcap", ".bag"), (".yaml", ".yml", ".json")  # of ROS
 READABLE = (*FILE_TYPES, *BAGS, *MESSAGES)
-METADATA = "metadata.yaml"
-"""What a folder has that is a bag of ROS 2."""
+METADATA = "metadata.yaml"  # what a folder has that is a bag of ROS 2
 
 ALL_FINITE = "every cell must be finite: leave out such rows, or the whole column"
 
-_EXPANDED, _RATIO = 1 << 28, 500
-"""Bytes of numbers that are always read, and how many for each byte that is stored."""
+_EXPANDED, _RATIO = 1 << 28, 500  # bytes of numbers that are always read, and how many for each byte that is stored
 
 
 class Table(ABC):
@@ -85,8 +83,7 @@ class Table(ABC):
 class ArrayTable(Table):
     """Named columns (N,) in memory."""
 
-    _at_once = 1
-    """Rows that are read at once at least."""
+    _at_once = 1  # rows that are read at once at least
 
     def __init__(self, file: str | None, columns: Mapping[str, Floats]) -> None:
         super().__init__(file)
