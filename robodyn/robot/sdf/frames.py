@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
+from robodyn.errors import DescriptionError
 from robodyn.programs.vectors import IDENTITY, product, rotation_from_quaternion, rotation_from_rpy, snapped
 from robodyn.robot.urdf.description import Strict
 from robodyn.robot.urdf.document import Element, read_document
@@ -45,6 +46,10 @@ def relative(outer: Pose, inner: Pose) -> Pose:
     return snapped(product(R.T, turn)), np.where(np.abs(moved) <= _NEAR * np.abs(moved).max(), 0.0, moved)
 
 
+def truth(text: str) -> bool:
+    return text.strip().lower() in ("1", "true")
+
+
 @dataclass(frozen=True)
 class Text:
     """One file: its folder seen from that of the main file, its version, and the files that include it."""
@@ -53,10 +58,6 @@ class Text:
     folder: str
     version: tuple[int, ...]
     trail: tuple[str, ...]
-
-    @property
-    def old(self) -> bool:
-        return self.version < (1, 7)
 
 
 @dataclass(eq=False)
@@ -89,12 +90,53 @@ class Node:
         return f"{self.element.tag} {shown(self.name)}"
 
     @property
-    def top(self) -> Node:
-        """The outermost model that it is in."""
-        node = self
-        while node.model is not None and node.model.model is not None:
+    def above(self) -> list[Node]:
+        """The models that it is in, itself first and the world left out."""
+        node, found = self, list[Node]()
+        while node.model is not None:
+            found.append(node)
             node = node.model
-        return node
+        return found
+
+    def error(self, what: str, remedy: str, at: Element | None = None) -> DescriptionError:
+        return self.text.strict.error((at or self.element).line, what, remedy)
+
+    def child(self, tag: str, inside: Element | None) -> Element | None:
+        """Return a child of one of its elements."""
+        return None if inside is None else self.text.strict.child(inside, tag, self.owner)
+
+    def said(self, tag: str, default: str | None = None, inside: Element | None = None) -> str:
+        """Return the text of a child of its element or of another one; without a default there must be one."""
+        child = self.child(tag, inside or self.element)
+        if default is None and (child is None or not child.text.strip()):
+            where = self.owner if inside is None else f"<{inside.tag}> in {self.owner}"
+            raise self.error(f"{where} has no <{tag}>, or an empty one", f"write <{tag}>", inside)
+        return ("" if child is None else child.text.strip()) or default or ""
+
+    def number(self, tag: str, default: float, inside: Element | None) -> float:
+        """Return the number of a child."""
+        child = self.child(tag, inside)
+        return default if child is None or not child.text.strip() else self.numbers(child, 1)[0]
+
+    def numbers(self, element: Element, amount: int) -> tuple[float, ...]:
+        return self.text.strict.numbers(numbers(element, TEXT, amount), self.owner)
+
+    def pose_in(self, element: Element) -> tuple[Pose, str]:
+        """Return the <pose> of an element, and the name of the frame that it is relative to, empty if it says none."""
+        written = self.child("pose", element)
+        base = "" if written is None else written.get("relative_to") or written.get("frame") or ""
+        if written is None or not written.text.strip():
+            return HERE, base
+        if written.get("rotation_format") == "quat_xyzw":
+            *at, x, y, z, w = self.numbers(written, 7)
+            size = max(map(abs, (x, y, z, w)))
+            if not size:
+                raise self.error(f"<pose> of {self.owner} has a quaternion of length 0", "write 0 0 0 1", written)
+            return (snapped(rotation_from_quaternion(x / size, y / size, z / size, w / size)), np.array(at)), base
+        *at, roll, pitch, yaw = self.numbers(written, 6)
+        if truth(written.get("degrees") or ""):
+            roll, pitch, yaw = map(radians, (roll, pitch, yaw))
+        return (rotation_from_rpy(roll, pitch, yaw), np.array(at)), base
 
 
 @dataclass(eq=False)
@@ -115,7 +157,6 @@ class Frames:
     left: Counter[str] = field(default_factory=Counter)
     missing: list[str] = field(default_factory=list)
     static: dict[Node, bool] = field(default_factory=dict)
-    gravity: tuple[float, ...] = ()
     included: int = 0
     size: int = 0
 
@@ -123,16 +164,15 @@ class Frames:
         """Read a file: its one model, or the one model of its world that is not static."""
         file = self.search.file
         sdf = read_document(data, file, "sdf").root
-        text = _text(sdf, Strict(file), "", (os.path.realpath(file),))
         found = [child for child in sdf.children if child.tag in ("model", "world")]
+        outermost = found[0] if found and found[0].tag == WORLD else sdf
+        self.world = world = Node(WORLD, outermost, _text(sdf, file, "", (os.path.realpath(file),)), None, names={})
         if len(found) != 1:
             what = f"<sdf> has {count(len(found), 'model or world', 'models and worlds')}, not one"
-            raise text.strict.error(found[1].line if found else sdf.line, what, "give a file with one of them")
-        outermost = found[0] if found[0].tag == WORLD else sdf
-        self.world = Node(WORLD, outermost, text, None, names={})
-        self._contents(self.world, text, 0)
-        gravity = text.strict.child(outermost, "gravity", "<world>")
-        self.gravity = () if gravity is None else text.strict.numbers(numbers(gravity, TEXT, 3), "<world>")
+            raise world.error(what, "give a file with one of them", found[1] if found else sdf)
+        self._contents(world)
+        gravity = world.child("gravity", outermost)
+        self.gravity = () if gravity is None else world.numbers(gravity, 3)
         models = list(self.static)
         moving = [model for model in models if not self.static[model]]
         chosen = moving if len(moving) == 1 else models
@@ -141,33 +181,26 @@ class Frames:
             remedy = "give a file with one robot; static models beside it are left out"
             if self.missing and not chosen:
                 what, remedy = f"{listed(self.missing)} is not found", "--package-path DIR names the folder it is in"
-            raise text.strict.error(outermost.line, what, remedy)
+            raise world.error(what, remedy)
         (self.robot,) = chosen
         self.left["static model"] += len(models) - 1
-        self.links = [node for node in self.nodes if node.element.tag == "link" and node.top is self.robot]
-        own = (self.robot, None)
-        self.joints = [node for node in self.nodes if node.element.tag == "joint" and self._holder(node) in own]
+        own = [node for node in self.nodes if node.above[-1] is self.robot or node.model is world]
+        self.links, self.joints = ([node for node in own if node.element.tag == tag] for tag in ("link", "joint"))
         self._stand()
 
-    def _holder(self, joint: Node) -> Node | None:
-        return None if joint.model is self.world else joint.top
-
-    def _contents(self, model: Node, text: Text, depth: int) -> None:
+    def _contents(self, model: Node) -> None:
         """Enter what a model or the world has."""
-        if depth > _MOST_NESTED:
-            what = f"models are nested more than {_MOST_NESTED} deep"
-            raise text.strict.error(model.element.line, what, "no robot needs as much")
+        if len(model.above) > _MOST_NESTED:
+            raise model.error(f"models are nested more than {_MOST_NESTED} deep", "no robot needs as much")
         for child in model.element.children:
             if child.tag == "include":
-                self._include(child, model, text, depth)
+                self._include(child, model)
             elif child.tag == "model":
-                self._model(child, model, text, text, depth, None)
+                self._model(child, model, model.text, None)
             elif child.tag in ("link", "joint", "frame"):
-                node = self._entered(child, model, text, text.strict.text(child, "name", f"<{child.tag}>"))
-                node.pose, node.base = pose_in(child, node.owner, text.strict)
-                node.attached = child.get("attached_to") or ""
-                if child.tag == "joint":
-                    node.attached = named(child, "child", node.owner, text.strict)
+                node = self._entered(child, model, model.text, model.text.strict.text(child, "name", f"<{child.tag}>"))
+                node.pose, node.base = node.pose_in(child)
+                node.attached = node.said("child") if child.tag == "joint" else child.get("attached_to") or ""
                 self._note_lost(child)
         self._note_lost(model.element)
 
@@ -177,72 +210,68 @@ class Frames:
     def _entered(self, element: Element, model: Node, text: Text, name: str, hidden: bool = False) -> Node:
         node = Node(model.prefix + name, element, text, model)
         if name in (WORLD, MODEL) or "::" in name:
-            raise text.strict.error(element.line, f"{shown(name)} is a name that SDF keeps", "name it otherwise")
+            raise node.error(f"{shown(name)} is a name that SDF keeps", "name it otherwise")
         assert model.names is not None, "it is a model"
         first = node if hidden else model.names.setdefault(name, node)
-        if first is not node and (first.element.tag == element.tag or not text.old):
+        if first is not node and (first.element.tag == element.tag or text.version >= (1, 7)):
             what = f"a second {shown(name)}, the first is in line {first.element.line}"
-            raise text.strict.error(element.line, what, "rename one of them")
+            raise node.error(what, "rename one of them")
         self.nodes.append(node)
         return node
 
-    def _model(self, element: Element, within: Node, text: Text, outer: Text, depth: int, by: Element | None) -> None:
-        """Enter a model of the file `text`, which may stand in another, `outer`, that includes it `by` an element."""
-        strict, tags = text.strict, element if by is None else by
-        name = (by is not None and named(by, "name", "<include>", outer.strict, "")) or strict.text(
-            element, "name", "<model>"
-        )
-        merged = truth(tags.get("merge") or "")
-        node = self._entered(element, within, text, name, hidden=merged)
+    def _model(self, element: Element, within: Node, text: Text, by: Element | None) -> None:
+        """Enter a model of the file `text`, which the file of another one may include `by` an element."""
+        merged = by is not None and truth(by.get("merge") or "")
+        name = within.said("name", "", by) if by is not None else ""
+        name = name or text.strict.text(element, "name", "<model>")
+        node = self._entered(element, within, text, name, merged)
         # What is merged belongs to the model that includes it; only its own frame has no name there.
-        node.names, node.prefix = (within.names, within.prefix) if merged else ({}, f"{node.name}::")
-        if within is self.world:
-            node.prefix = ""
-        node.pose, node.base = pose_in(element, node.owner, strict)
+        prefix = "" if within is self.world else f"{node.name}::"
+        node.names, node.prefix = (within.names, within.prefix) if merged else ({}, prefix)
+        node.pose, node.base = node.pose_in(element)
         node.placement, node.attached = element.get("placement_frame") or "", element.get("canonical_link") or ""
-        node.weightless = within.weightless or not truth(named(element, "gravity", node.owner, strict, "true"))
-        static = named(element, "static", node.owner, strict, "")
+        node.weightless = within.weightless or not truth(node.said("gravity", "true"))
+        static = node.said("static", "")
         if by is not None:
-            if outer.strict.child(by, "pose", node.owner) is not None:
-                (node.pose, node.base), node.placement = pose_in(by, node.owner, outer.strict), ""
-            node.placement = named(by, "placement_frame", node.owner, outer.strict, node.placement)
-            static = named(by, "static", node.owner, outer.strict, static)
+            if within.child("pose", by) is not None:
+                (node.pose, node.base), node.placement = within.pose_in(by), ""
+            node.placement = within.said("placement_frame", node.placement, by)
+            static = within.said("static", static, by)
             self._note_lost(by)
         if within is self.world:
             self.static[node] = truth(static)
-        self._contents(node, text, depth + 1)
+        self._contents(node)
 
-    def _include(self, element: Element, within: Node, text: Text, depth: int) -> None:
-        uri = named(element, "uri", "<include>", text.strict)
-        path = self._found(uri, element, text)
+    def _include(self, element: Element, within: Node) -> None:
+        uri, trail = within.said("uri", None, element), within.text.trail
+        path = self._found(uri, element, within)
         if path is None and within is self.world and package_of(uri) is not None:
             self.missing.append(uri)
             return
         if path is None:
             remedy = "--package-path DIR names the folder it is in"
-            raise text.strict.error(element.line, f"the included {shown(uri)} is not found", remedy)
+            raise within.error(f"the included {shown(uri)} is not found", remedy, element)
         real = os.path.realpath(path)
-        if real in text.trail:
-            raise text.strict.error(element.line, f"{shown(uri)} includes itself", "a file cannot contain itself")
+        if real in trail:
+            raise within.error(f"{shown(uri)} includes itself", "a file cannot contain itself", element)
         self.included, self.size = self.included + 1, self.size + os.path.getsize(real)
         if self.included > _MOST_INCLUDED or self.size > _MOST_BYTES:
             what = f"more than {_MOST_INCLUDED} files, or {_MOST_BYTES} bytes, are included"
-            raise text.strict.error(element.line, what, "no robot needs as much")
+            raise within.error(what, "no robot needs as much", element)
         sdf = read_document(path, None, "sdf").root
         here = os.path.relpath(path.parent, os.path.dirname(os.path.abspath(self.search.file)))
-        inner = _text(sdf, Strict(str(path)), here, (*text.trail, real))
-        models = sdf.findall("model")
+        text, models = _text(sdf, str(path), here, (*trail, real)), sdf.findall("model")
         if len(models) != 1:
             what = f"an included file has {count(len(models), 'model')}, not one"
-            raise inner.strict.error(sdf.line, what, "include files with one model")
-        self._model(models[0], within, inner, text, depth, element)
+            raise text.strict.error(sdf.line, what, "include files with one model")
+        self._model(models[0], within, text, element)
 
-    def _found(self, uri: str, element: Element, text: Text) -> Path | None:
+    def _found(self, uri: str, element: Element, within: Node) -> Path | None:
         """Return the file that is included, which lies in the folder of the description or in a package path."""
         package, base = package_of(uri), Path(os.path.dirname(os.path.abspath(self.search.file)))
         if "\0" in uri or (package is None and "://" in uri):
-            raise text.strict.error(element.line, f"{shown(uri)} is no file here", "include a file of model://")
-        tried = [base / text.folder / uri]
+            raise within.error(f"{shown(uri)} is no file here", "include a file of model://", element)
+        tried = [base / within.text.folder / uri]
         if package is not None:
             tried = [path / package[1] for path in (base / package[0], *self.search.packages(package[0]))]
         allowed = [os.path.realpath(folder) for folder in (str(base), *self.search.package_paths)]
@@ -250,16 +279,14 @@ class Frames:
         for path in tried:
             for file in [path, path / _configured(path)] if os.path.isdir(path) else [path]:
                 real = os.path.realpath(file)
-                if not os.path.exists(file):
-                    break
-                if not any(os.path.commonpath([real, folder]) == folder for folder in allowed):
+                if os.path.exists(file) and not any(os.path.commonpath([real, each]) == each for each in allowed):
                     outside = True
                     break
                 if os.path.isfile(file):
                     return file
         if outside:
             what = f"the included {shown(uri)} is outside the folder of the description and the package paths"
-            raise text.strict.error(element.line, what, "--package-path DIR lets it be read")
+            raise within.error(what, "--package-path DIR lets it be read", element)
         return None
 
     def find(self, name: str, node: Node, model: Node | None = None) -> Node:
@@ -272,7 +299,7 @@ class Frames:
             found = found if part == MODEL else names.get(part)
             if found is None:
                 what = f"{node.owner} names {shown(name)}, which does not exist"
-                raise node.text.strict.error(node.element.line, what, alternatives(part, names, "names"))
+                raise node.error(what, alternatives(part, names, "names"))
         assert found is not None, "a name has a part"
         return found
 
@@ -295,16 +322,14 @@ class Frames:
                     waiting.append(other)
         for node in self.nodes:
             if node not in self.poses:
-                what = f"the pose of {node.owner} hangs on itself"
-                raise node.text.strict.error(node.element.line, what, "let a frame be relative to its model")
+                raise node.error(f"the pose of {node.owner} hangs on itself", "let it be relative to its model")
 
     def body(self, node: Node) -> Node:
         """Return the link that a frame moves with, or the world."""
         seen = set[Node]()
         while node.element.tag != "link" and node is not self.world:
             if node in seen:
-                what = f"{node.owner} is attached to itself"
-                raise node.text.strict.error(node.element.line, what, "attach it to a link")
+                raise node.error(f"{node.owner} is attached to itself", "attach it to a link")
             seen.add(node)
             inside = [each for each in (node.names or {}).values() if each.element.tag in ("link", "model")]
             if node.attached:
@@ -314,12 +339,12 @@ class Frames:
             elif inside:
                 node = min(inside, key=lambda each: each.element.tag)
             else:
-                raise node.text.strict.error(node.element.line, f"{node.owner} has no link", "add a <link>")
+                raise node.error(f"{node.owner} has no link", "add a <link>")
         return node
 
 
-def _text(sdf: Element, strict: Strict, folder: str, trail: tuple[str, ...]) -> Text:
-    written = sdf.get("version") or "1.7"
+def _text(sdf: Element, file: str, folder: str, trail: tuple[str, ...]) -> Text:
+    strict, written = Strict(file), sdf.get("version") or "1.7"
     parts = written[:20].split(".")[:2]
     if not all(part.isdecimal() for part in parts):
         raise strict.error(sdf.line, f"the version is {shown(written)}", 'write version="1.7"')
@@ -335,34 +360,3 @@ def _configured(folder: Path) -> str:
         return [int(part) for part in (element.get("version") or "")[:20].split(".") if part.isdecimal()]
 
     return max(files, key=version).text.strip() if files else "model.sdf"
-
-
-def named(element: Element, tag: str, owner: str, strict: Strict, default: str | None = None) -> str:
-    """Return the text of a child."""
-    child = strict.needed_child(element, tag, owner) if default is None else strict.child(element, tag, owner)
-    text = "" if child is None else child.text.strip()
-    if not text and default is None:
-        raise strict.error(element.line, f"<{tag}> of {owner} is empty", "write a name")
-    return text or default or ""
-
-
-def truth(text: str) -> bool:
-    return text.strip().lower() in ("1", "true")
-
-
-def pose_in(element: Element, owner: str, strict: Strict) -> tuple[Pose, str]:
-    """Return the <pose> of an element, and the name of the frame that it is relative to, empty where it says none."""
-    written = strict.child(element, "pose", owner)
-    base = "" if written is None else written.get("relative_to") or written.get("frame") or ""
-    if written is None or not written.text.strip():
-        return HERE, base
-    if written.get("rotation_format") == "quat_xyzw":
-        *at, x, y, z, w = strict.numbers(numbers(written, TEXT, 7), owner)
-        size = max(map(abs, (x, y, z, w)))
-        if not size:
-            raise strict.error(written.line, f"<pose> of {owner} has a quaternion of length 0", "write 0 0 0 1")
-        return (snapped(rotation_from_quaternion(x / size, y / size, z / size, w / size)), np.array(at)), base
-    *at, roll, pitch, yaw = strict.numbers(numbers(written, TEXT, 6), owner)
-    if truth(written.get("degrees") or ""):
-        roll, pitch, yaw = map(radians, (roll, pitch, yaw))
-    return (rotation_from_rpy(roll, pitch, yaw), np.array(at)), base

@@ -18,7 +18,7 @@ from robodyn.support.wording import shown
 
 TEXT = ""
 """The name that stands for the text of an element where its attributes are named."""
-_UNBOUNDED = ("limit", "safety_controller")
+_UNBOUNDED = ("limit", "safety_controller", "lower", "upper", "effort", "velocity")
 """Elements in which files write the largest float for no limit at all."""
 _MOVING = frozenset(JOINT_TYPES) - {"fixed"}
 T = TypeVar("T")

@@ -156,9 +156,16 @@ WRONG = {
     sdf(model(TWO + J.format("revolut", "a", "b", ""))): "unknown type 'revolut'",
     sdf(model(TWO + J.format("fixed", "x", "b", ""))): "joint 'j' names 'x', which does not exist",
     sdf(model(TWO + J.format("fixed", "a", "a", ""))): "joint 'j' ties 'a' to 'a'",
-    sdf(model(TWO + J.format("fixed", "", "a", ""))): "<parent> of joint 'j' is empty",
+    sdf(model(TWO + J.format("fixed", "", "a", ""))): "joint 'j' has no <parent>, or an empty one",
+    sdf(
+        model(
+            TWO
+            + J.format("revolute", "a", "b", "<axis><mimic joint='k'/></axis>")
+            + J.format("fixed", "a", "b", "").replace("'j'", "'k'")
+        )
+    ): ("joint 'j' mimics 'k', which has no coordinate"),
     sdf(model(include("nothing.sdf"))): "the included 'nothing.sdf' is not found",
-    sdf(model("<include/>")): "<include> has no <uri>",
+    sdf(model("<include/>")): "<include> in model 'm' has no <uri>",
     sdf(model("<link name='a'><visual name='v'/></link>")): "<visual> of link 'a' has no <geometry>",
     sdf(model("<link name='a'><visual name='v'><geometry><box/></geometry></visual></link>")): "has no <size>",
 }
