@@ -226,8 +226,9 @@ def _along(left: Pose, axis: Floats, origin: Floats, kind: str) -> tuple[float, 
         shift = float(left.p @ axis)
         return shift, length(left.p - shift * axis), length(vector)
     angle = float(vector @ axis) if kind == "revolute" else 0.0
-    turn = np.asarray(rotation_about(axis, angle), dtype=float) if angle else np.eye(3)
-    return angle, length(left.R @ origin + left.p - origin), length(_rotation_vector(left.R @ turn.T))
+    if length(vector - angle * axis) > _FITS:  # no turn of the joint: all of it is its place
+        angle = 0.0
+    return angle, length(left.R @ origin + left.p - origin), length(vector - angle * axis)
 
 
 def _rotation_vector(R: Floats) -> Floats:

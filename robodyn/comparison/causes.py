@@ -77,6 +77,9 @@ def mass_cause(mine: tuple[float, Floats, Floats], theirs: tuple[float, Floats, 
     if with_it or near(J, I):
         factor = factor_cause(np.array([n]), np.array([m]), "the mass")
         return f"{factor}, and its inertia with it" if with_it else factor
+    for mass, centre, tensor, where in ((n, d, J, "B"), (m, c, I, "A")):
+        if Given(mass, centre, np.eye(3), tuple(tensor[np.triu_indices(3)].tolist())).made_up:
+            return f"in {where} mass and inertia are round numbers: a placeholder"
     return "mass, centre and inertia are those of another body, as of shapes of one density"
 
 

@@ -149,16 +149,24 @@ def _with_guilt(
 
 
 class _Map:
-    """From states of A to states of B, and back from torques of B to those of A."""
+    """From states of A to states of B, q_b = q_a S + o, and back from torques of B to those of A by the transpose.
+
+    A joint that follows another in A and moves by itself in B follows there, too, so that its torque is a part of the
+    other's.
+    """
 
     def __init__(self, a: Model, b: Model, pairs: Sequence[Pair]) -> None:
         self.a, self.b = a, b
         self.rows: list[tuple[Joint, Joint, Pair]] = []
-        for pair in pairs:
-            one, other = a.bodies[pair.a].joint, b.bodies[pair.b].joint
-            moves = all(joint.kind in ("revolute", "prismatic") and joint.mimics is None for joint in (one, other))
-            if moves and one.kind == other.kind:
-                self.rows.append((one, other, pair))
+        both = [(a.bodies[pair.a].joint, b.bodies[pair.b].joint, pair) for pair in pairs]
+        both = [row for row in both if row[0].kind == row[1].kind in ("revolute", "prismatic") and not row[1].mimics]
+        self.rows = [row for row in both if row[0].mimics is None]
+        at = {one.rate: k for k, (one, _, _) in enumerate(self.rows)}
+        self.S, self.o = np.zeros((len(self.rows), b.n)), np.zeros(b.n)
+        for one, other, pair in both:
+            if one.rate in at:
+                self.S[at[one.rate], other.rate] = pair.sign * one.multiplier
+                self.o[other.rate] = pair.sign * one.offset + pair.offset
 
     def ranges(self) -> tuple[Floats, Floats]:
         """Least and largest positions, speeds and accelerations of the common joints, in A's sense."""
@@ -178,34 +186,25 @@ class _Map:
 
     def full(self, states: Floats) -> Floats:
         """States of all of A's coordinates; those that B lacks are zero."""
-        return self._spread(states, self.a.n, [one.rate for one, _, _ in self.rows])
-
-    def _spread(self, states: Floats, n: int, places: Sequence[int]) -> Floats:
-        m = len(self.rows)
-        out = np.zeros((*states.shape[:-1], 3 * n))
-        for part in range(3):
-            out[..., [part * n + place for place in places]] = states[..., part * m : (part + 1) * m]
-        return out
+        out = np.zeros((*states.shape[:-1], 3, self.a.n))
+        out[..., [one.rate for one, _, _ in self.rows]] = states.reshape(*states.shape[:-1], 3, -1)
+        return out.reshape(*states.shape[:-1], -1)
 
     def other(self, states: Floats) -> Floats:
-        m = len(self.rows)
-        signs = np.array([pair.sign for _, _, pair in self.rows])
-        turned = states * np.tile(signs, 3)
-        turned[..., :m] += [pair.offset for _, _, pair in self.rows]
-        return self._spread(turned, self.b.n, [other.rate for _, other, _ in self.rows])
+        out = states.reshape(*states.shape[:-1], 3, -1) @ self.S
+        out[..., 0, :] += self.o
+        return out.reshape(*states.shape[:-1], -1)
 
     def parts(self, mine: _Robot, theirs: _Robot, states: Floats) -> tuple[Floats, Floats]:
         """Return torques (4, samples, joints) of A and of B in A's sense: in all, of the pose, of accelerations, of
         speeds."""
-        places = [one.rate for one, _, _ in self.rows], [other.rate for _, other, _ in self.rows]
         both = []
-        for robot, full, rates in zip((mine, theirs), (self.full(states), self.other(states)), places, strict=True):
+        for robot, full in ((mine, self.full(states)), (theirs, self.other(states))):
             q, qd, qdd = np.split(full, 3, axis=-1)
             still = np.zeros_like(q)
             whole, rest = robot.torques(q, qd, qdd), robot.torques(q, still, still)
-            rows = np.stack([whole, rest, robot.torques(q, still, qdd) - rest, robot.torques(q, qd, still) - rest])
-            both.append(rows.take(rates, axis=-1))
-        return both[0], both[1] * np.array([pair.sign for _, _, pair in self.rows])
+            both.append([whole, rest, robot.torques(q, still, qdd) - rest, robot.torques(q, qd, still) - rest])
+        return np.stack(both[0]).take([one.rate for one, _, _ in self.rows], axis=-1), np.stack(both[1]) @ self.S.T
 
 
 def _grounded(model: Model, scene: Scene) -> tuple[Model, Scene]:
