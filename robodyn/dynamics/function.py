@@ -176,11 +176,7 @@ class Function:
         return f"<{self.kind}({', '.join(f'{name}[{width}]' for name, width in self.arguments.items())})>"
 
     def __call__(self, *given: ArrayLike, out: Floats | None = None) -> Floats:
-        """Return the result of one sample.
-
-        Raises:
-            InputError: too many or too few arguments, a shape that does not fit, an `out` that cannot be written to.
-        """
+        """Return the result of one sample; InputError where the number of arguments, a shape or `out` does not fit."""
         if len(given) != len(self.arguments):
             raise InputError(f"{self.kind} of one sample has arguments {', '.join(self.arguments)}: {len(given)} given")
         sources = {}

@@ -380,7 +380,6 @@ def jacobian(
 
 @lru_cache(maxsize=16)
 def _place_runner(model: Model, link: str, point: tuple[float, ...] | None = None) -> Runner:
-    """The pose of a link, or the Jacobian of a point of it, ready to run."""
     if link not in model.links:
         remedy = alternatives(link, list(model.links), "links")
         raise InputError(f"no link {shown(link)}", remedy=remedy, file=model.file)

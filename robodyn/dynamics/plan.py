@@ -64,12 +64,8 @@ class Loads(NamedTuple):
 
 @dataclass(frozen=True)
 class Plan:
-    """What is computed for one model and scene, for motions that are zero where `zero_columns` says so.
-
-    Attributes:
-        zero_columns: the (source, column) pairs of q, qd and qdd that are zero throughout; they are folded away.
-        verdicts: for every effect of the catalogue, whether it is on and why.
-    """
+    """What is computed for one model and scene, for motions that are zero where `zero_columns` says so: the (source,
+    column) pairs of q, qd and qdd that are zero throughout, and folded away."""
 
     model: Model
     scene: Scene
@@ -77,6 +73,7 @@ class Plan:
 
     @cached_property
     def verdicts(self) -> tuple[tuple[Effect, Verdict], ...]:
+        """For every effect of the catalogue, whether it is on and why."""
         return tuple((effect, effect.why(self.model, self.scene, self.zero_columns)) for effect in EFFECTS)
 
     @cached_property

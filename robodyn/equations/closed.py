@@ -22,8 +22,7 @@ from robodyn.robot.model import Model
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.extras import need
 
-EPS = 2.0**-52
-ROUNDING = 4 * EPS
+ROUNDING = 4 * 2.0**-52
 """A coefficient that is a smaller share of what added up to it is zero."""
 
 Angle = tuple[float, ...]
@@ -185,7 +184,6 @@ class Forms:
         return total(a, b, 1.0 if op is ADD else -1.0)
 
     def _product(self, a: Polynomial, b: Polynomial) -> Polynomial:
-        """a b, with products of waves made into sums."""
         self._left -= len(a) * len(b)
         if self._left < 0:
             raise TooLargeError

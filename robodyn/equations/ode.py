@@ -22,12 +22,8 @@ from robodyn.support.wording import listed
 
 
 def check_equations(model: Model, scene: Scene) -> None:
-    """Raise if there are no equations, or if numbers are missing that only a trajectory has.
-
-    Raises:
-        InputError: nothing of the robot can move, or wrenches of the scene name columns.
-        SceneError: the scene has contacts.
-    """
+    """Raise InputError where nothing can move or wrenches name columns, which only a trajectory has; SceneError where
+    the scene has contacts."""
     refuse_others(model, scene)
     refuse_constraints(scene, loops=True)
     refuse_load(scene)

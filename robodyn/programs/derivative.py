@@ -1,7 +1,4 @@
-"""Derivatives of traced scalars: further operations on the same tape, folded and shared as all others are.
-
-Along a motion any recursion yields the rates of its results on *dual* scalars, whatever these are made of.
-"""
+"""Derivatives of traced scalars, as further operations on the same tape; and dual scalars, for rates along a motion."""
 
 from __future__ import annotations
 

@@ -25,11 +25,8 @@ def min_norm_solution(A: Floats, b: Floats, nothing: float) -> Floats:
 
 
 def range_basis(rows: Floats, nothing: float) -> Floats:
-    """Return an orthonormal basis (r, n) of the span of rows (m, n).
-
-    Args:
-        nothing: singular values that are no more than this part of the largest count as zero.
-    """
+    """Return an orthonormal basis (r, n) of the span of rows (m, n); singular values that are no more than this part of
+    the largest count as `nothing`."""
     _, sizes, right = np.linalg.svd(rows, full_matrices=False)
     return np.asarray(right[sizes > nothing * sizes.max(initial=0.0)])
 
@@ -58,16 +55,11 @@ def pseudo_inverse(A: Floats) -> tuple[Floats, Floats]:
 
 
 def eigen(S: Floats) -> tuple[Floats, Floats]:
-    """Return eigenvalues in descending order, and unit eigenvectors as rows: S = sum of s_i v_i v_i^T.
-
-    The small eigenvalues are as accurate as the large.
+    """Return eigenvalues of S (n, n), symmetric, finite and small, in descending order, and unit eigenvectors as rows.
 
     Method: cyclic Jacobi rotations until |S_ij| <= eps sqrt|S_ii S_jj| (Demmel, Veselic 1992: on a positive definite
     matrix D A D with D diagonal each eigenvalue is then found within the condition number of A alone, however far the
     entries of D are apart). What is diagonal or has only one product of inertia keeps its exact zeros.
-
-    Args:
-        S: (n, n) symmetric, finite; n is 3, or few more.
 
     Accuracy: eigenvalues within 8 eps times the condition number of the matrix scaled to a unit diagonal, each; in any
         case within 8 eps of the largest. Eigenvectors orthonormal within 8 eps.
@@ -120,10 +112,8 @@ class Eigen(NamedTuple):
 
 
 def general_eigen(A: Floats) -> Eigen:
-    """Return eigenvalues and eigenvectors of a real matrix (n, n), by LAPACK, scaled by powers of two (Osborne 1960).
-
-    Raises:
-        numpy.linalg.LinAlgError: an eigenvalue does not converge, or A is not finite.
+    """Return eigenvalues and eigenvectors of a real matrix (n, n), by LAPACK, scaled by powers of two (Osborne 1960);
+    numpy.linalg.LinAlgError where one does not converge, or A is not finite.
 
     Accuracy: those of a matrix that differs from the scaled one by 8 n eps of its size; so values within 8 n eps size
         conditions_k where that is small.

@@ -86,7 +86,6 @@ def trace(function: Callable[[Tape], Iterable[Any]], first: Sequence[int] = ()) 
     and so is each operand, so that few values are alive at a time.
 
     Args:
-        function: from a tape to scalars, traced or plain.
         first: outputs to finish first, in this order; for torques from the tips of a tree to its base, one branch after
             another, this leaves a third of the values alive at a time that any order across branches does.
     """

@@ -63,13 +63,10 @@ def vector(x: Scalar, y: Scalar, z: Scalar) -> Array:
 
 
 def product(*factors: Array) -> Any:
-    """Return the product of matrices and vectors from left to right, like `A @ B`, summed in the same order everywhere.
+    """Return the product of factors (k,), (m, k) or (..., m, k), like `A @ B`, summed in the same order everywhere.
 
     On float64 `A @ B` is BLAS, whose order of sums, and with it the last digit, depends on the processor. On any other
     scalar NumPy itself multiplies, in order; so do recursions, which say `A @ B` for all scalars.
-
-    Args:
-        factors: (k,), (m, k) or stacks (..., m, k) that NumPy's `@` takes.
     """
     A: Any = factors[0]
     for B in factors[1:]:
@@ -166,15 +163,12 @@ def rpy_from_rotation(R: Floats) -> tuple[float, float, float]:
 def _rotation(roll: float, pitch: float, yaw: float) -> Floats:
     """Most angles of a description are met again and again; of -0 all entries are those of 0."""
     cr, sr, cp, sp, cy, sy = (f(angle) for angle in (roll, pitch, yaw) for f in (math.cos, math.sin))
-    return snapped(
-        np.array(
-            (
-                (cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr),
-                (sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr),
-                (-sp, cp * sr, cp * cr),
-            )
-        )
+    rows = (
+        (cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr),
+        (sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr),
+        (-sp, cp * sr, cp * cr),
     )
+    return snapped(np.array(rows))
 
 
 def snapped(R: Floats) -> Floats:

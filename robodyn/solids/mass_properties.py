@@ -364,13 +364,8 @@ class Combination:
 
 def combined(parts: Sequence[Part], poses: Sequence[Pose] = (), mass: float | None = None) -> Combination:
     """Return the composite body of parts, all as they are in the common frame if there are no poses; see `composite`.
-
-    Args:
-        mass: of the whole [kg], in which the parts then share as they did.
-
-    Raises:
-        InputError: there are not as many poses as parts, or the mass is not positive.
-    """
+    In a `mass` of the whole [kg] the parts share as they did. InputError where there are not as many poses as parts, or
+    the mass is not positive."""
     if poses and len(poses) != len(parts):
         raise InputError(f"{len(poses)} places for {len(parts)} meshes", remedy="give one for each mesh, in order")
     where = tuple(poses) or ((IDENTITY, ZERO),) * len(parts)

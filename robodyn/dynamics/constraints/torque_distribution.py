@@ -194,9 +194,16 @@ def torque_distribution(found: Structure, J: Floats, tau: Floats, weights: Float
         drive = scaled[:, :, ~passive].transpose(0, 2, 1)
         roots = np.sqrt(weights / weights.max()) / found.rate_scale[~passive]
         wanted = forces[:, ~passive] - einsum("nij,nj->ni", drive, x)
-        z, free, lost = _least_torque(drive @ open_forces, wanted, roots, found)
+        # z has the least weighted torques `wanted - B z`, 0 where B has lost rank; what is left open changes none
+        B, b = drive @ open_forces, found.redundancy
+        sizes_of_B = np.linalg.svd(B, compute_uv=False)[:, :b]
+        lost: Mask = ~np.all(sizes_of_B > LOST * found.usual_redundancy * found.largest, axis=1)
+        left_of_B, sizes_of_B, right_of_B = np.linalg.svd(B * roots[:, None])
+        along = einsum("nij,ni->nj", left_of_B[:, :, :b], wanted * roots)
+        along = along / np.where(lost[:, None], 1.0, sizes_of_B[:, :b])
+        z = np.where(lost[:, None], 0.0, einsum("nij,ni->nj", right_of_B[:, :b], along))
         x, singular = x + einsum("nij,nj->ni", open_forces, z), singular | lost
-        open_forces = np.where(singular[:, None, None], 0.0, open_forces @ free)
+        open_forces = np.where(singular[:, None, None], 0.0, open_forces @ right_of_B[:, b:].transpose(0, 2, 1))
     left_over = (forces - einsum("nij,ni->nj", scaled, x)) / found.rate_scale
     multipliers = x * found.equation_scale
     if open_forces.shape[2]:
@@ -208,15 +215,3 @@ def torque_distribution(found: Structure, J: Floats, tau: Floats, weights: Float
     smallest = sizes[:, rank - 1] / found.largest if rank else np.ones(len(tau))
     torques, unbalanced = left_over[:, ~passive], left_over[:, passive]
     return TorqueDistribution(multipliers, torques, unbalanced, smallest, singular, over, A, parts)
-
-
-def _least_torque(B: Floats, wanted: Floats, roots: Floats, found: Structure) -> tuple[Floats, Floats, Mask]:
-    """Return z (N, k) with the least weighted torques `wanted - B z`, a basis (N, k, k - b) of the z that do nothing
-    to them, and where B has lost rank; z is 0 there."""
-    b = found.redundancy
-    sizes_of_B = np.linalg.svd(B, compute_uv=False)[:, :b]
-    lost: Mask = ~np.all(sizes_of_B > LOST * found.usual_redundancy * found.largest, axis=1)
-    left, sizes, right = np.linalg.svd(B * roots[:, None])
-    along = einsum("nij,ni->nj", left[:, :, :b], wanted * roots) / np.where(lost[:, None], 1.0, sizes[:, :b])
-    z = np.where(lost[:, None], 0.0, einsum("nij,ni->nj", right[:, :b], along))
-    return z, right[:, b:].transpose(0, 2, 1), lost

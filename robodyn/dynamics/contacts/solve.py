@@ -248,15 +248,13 @@ def contact_forces(problem: Problem, executor: str = "auto", expected: int = 0) 
     """Return the forces of least cost that the equations, the cones and the limits allow.
 
     Where forces alone are unknown and cost, Newton's method on the dual finds those of all samples at a time; else
-    Clarabel does, one sample after another. Forces of hundreds of times |b|, as between wedges, may not be found.
+    Clarabel does, one sample after another (InputError where it is not installed). Forces of hundreds of times |b|, as
+    between wedges, may not be found.
 
     Args:
         executor: of the programs: "auto", "numpy" or "compiled"; where one is named, results do not depend on the
             block.
         expected: samples of the whole work that these are a part of; 0: these are all.
-
-    Raises:
-        InputError: Clarabel is needed and not installed.
 
     Accuracy: without costs of torques and free unknowns, the residual is at most 1e-12 of |b| or |f| where forces
         exist, and their cost is the least to 1e-8 |b|^2; else what Clarabel reaches, 1e-9 |b|.

@@ -95,9 +95,8 @@ class Verdict(NamedTuple):
 class Effect:
     """One physical effect: a subclass, whose one instance is named among `plan.EFFECTS`.
 
-    Attributes:
-        name: as reports print it; adds: what it adds to tau, in a few words.
-        by_load: whether it depends on the torques that the others make, so that it is what is missing without it.
+    name: as reports print it; adds: what it adds to tau, in a few words; by_load: whether it depends on the torques
+    that the others make, so that it is what is missing without it.
     """
 
     name: str

@@ -117,9 +117,5 @@ class Mimic(Effect):
         return terms
 
 
-GRAVITY = Gravity()
-INERTIA = JointInertia()
-CORIOLIS = Coriolis()
-MOVING_BASE = MovingBase()
-PAYLOAD = Payload()
-MIMIC = Mimic()
+GRAVITY, INERTIA, CORIOLIS = Gravity(), JointInertia(), Coriolis()
+MOVING_BASE, PAYLOAD, MIMIC = MovingBase(), Payload(), Mimic()

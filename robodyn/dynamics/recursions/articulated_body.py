@@ -250,7 +250,7 @@ def articulated_body(
     joint, S being its axis, moves freely: with `U = A S`, `D = S . U + rotor` and `u = force - S . b` its parent feels
     `A - U U^T / D` and `b + U u / D`. Outward, `qdd = (u - U . x) / D`. A coordinate that moves several joints is
     carried inward as a column of its own until a body carries them all, and so is one that a rotor couples with others,
-    or with a body whose turning it resists.
+    or with a body whose turning it resists. InputError where nothing resists a joint.
 
     Source: Featherstone, *Rigid Body Dynamics Algorithms* (2008), table 7.1, velocities being in `biases` alone; shared
         coordinates as in Jain, *Robot and Multibody Dynamics* (2011), ch. 11.
@@ -260,9 +260,6 @@ def articulated_body(
             supplies.
         forces: n scalars, those of a floating joint in the body's axes, as is what is returned.
         rotors: reflected inertias, by coordinates i <= j [kg m^2 or kg]. spins: as those of `Terms`.
-
-    Raises:
-        InputError: nothing resists a joint.
     """
     A, b = [articulated(body) for body in inertias], [np.concatenate((bias.n, bias.f)) for bias in biases]
     work, joints_of, ends = Elimination(A, b, rotors, forces), *_coordinates(model, rotors, spins)

@@ -1,7 +1,4 @@
-"""A robot as single bodies: what holds two of them together as equations, each a row of G; and the matrices.
-
-All functions take any scalar.
-"""
+"""A robot as single bodies, for any scalar: what holds two together as equations, each a row of G; and the matrices."""
 
 from __future__ import annotations
 

@@ -121,7 +121,6 @@ def description(plan: Plan, jobs: Iterable[Job]) -> str:
 
 
 def _friction(plan: Plan) -> list[str]:
-    """Return the constants of the joints, and what stands for the sign of speeds."""
     rubs = [
         (joint.name, friction)
         for _, joint, friction in joints_with_friction(plan.model, plan.scene)

@@ -254,7 +254,6 @@ def free_bodies(
     Euler's laws about its mass centre. Their balance therefore checks one against the other.
 
     Args:
-        model: of `robodyn.load`.
         q: (nq,) rad or m; qd, qdd: (n,) per s and per s^2, as for `inverse_dynamics`; `0` is at rest.
         scene: what surrounds the robot; its payloads are part of their bodies.
         columns: numbers for the columns that the scene's wrenches name.

@@ -84,12 +84,8 @@ class Balance(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class RobotAtRest:
-    """A robot in a scene at rest, its drives closed.
-
-    Attributes:
-        tree: the scene without its loops; chain: what they close, None without any.
-        tied: (n,) whether a joint lies in a loop, and carries what others in loops weigh.
-    """
+    """A robot in a scene at rest, its drives closed; tree: the scene without its loops; chain: what they close, None
+    without any; tied: (n,) whether a joint lies in a loop, and carries what others in loops weigh."""
 
     model: Model
     tree: Scene
@@ -123,13 +119,10 @@ class RobotAtRest:
         return out
 
     def balance(self, q: Floats) -> Balance:
-        """Return what is missing at q.
+        """Return what is missing at q; InputError where the torques are not finite.
 
         With loops `missing = bias - drives - J^T lambda` is as short as it can be, and across all rows of J; its
         derivative has that of J^T lambda in it, lambda being constant.
-
-        Raises:
-            InputError: the torques are not finite.
         """
         model = self.model
         bias = bias_forces(model, q, 0.0, scene=self.tree, executor="numpy")
@@ -170,11 +163,8 @@ def overflow(model: Model) -> InputError:
 
 
 def robot_at_rest(model: Model, scene: Scene, q: Floats) -> RobotAtRest:
-    """Return the robot; q, at which loops are closed, says which of their equations depend on each other.
-
-    Raises:
-        InputError: its base moves and loops are closed; more motions are possible at q than nearby; or none is.
-    """
+    """Return the robot; q, at which loops are closed, says which of their equations depend on each other. InputError
+    where its base moves and loops are closed; more motions are possible at q than nearby; or none is."""
 
     def number(entry: Entry | None, otherwise: float) -> float:
         """There is no table: a reference that follows one is where the joint stands, a torque or a speed is zero."""
@@ -236,15 +226,12 @@ _SUNK = 1e-5
 
 
 def equilibrium_near(robot: RobotAtRest, q: Floats) -> Floats:
-    """Return q (nq,) at which the robot stays at rest.
+    """Return q (nq,) at which the robot stays at rest; InputError, naming the joint farthest from balance, if none.
 
     Method: Newton's, the shortest step that makes the linear torques vanish, halved until it helps, which finds what is
     near, stable or not. Where there is nothing near, the robot sinks, as if through something viscous, to a state that
     is stable: Newton's steps with the absolute values of the stiffness' eigenvalues, which lead downhill past saddles
     (Dauphin et al., "Identifying and attacking the saddle point problem", 2014). Newton's method ends it.
-
-    Raises:
-        InputError: there is none, or none was found; the joint that is farthest from balance is named.
 
     Accuracy: what is left of the torques is at most 1e-10 of those that balance, most often 1e-12.
     """

@@ -100,12 +100,8 @@ class Mode:
 
 @dataclass(frozen=True)
 class Modes:
-    """All modes, the slowest first.
-
-    Attributes:
-        modes: one of each pair.
-        at_rest: whether the state is one: of one that moves, eigenvalues say nothing about stability.
-    """
+    """All modes, the slowest first, one of each pair; at_rest: whether the state is one: of one that moves, eigenvalues
+    say nothing about stability."""
 
     modes: tuple[Mode, ...]
     at_rest: bool = True
@@ -169,13 +165,10 @@ def _null(rows: Floats, nothing: float) -> Floats:
 
 
 def modes_of(found: SmallMotion) -> Modes:
-    """Return the modes of A, drives closed.
+    """Return the modes of A, drives closed; InputError where eigenvalues overflow.
 
     What nothing holds (no stiffness) is split off first: its eigenvalues are zero to the last bit and not, as QR
     iterations find a double zero, some 1e-8. The others are those of what is left.
-
-    Raises:
-        InputError: the eigenvalues overflow.
 
     Accuracy: `error` of each: 16 roundings of the scaled A times the condition numbers of the scaled mass matrix and of
         the eigenvalue, or the square root of that where two eigenvalues meet (Golub, Van Loan, *Matrix Computations*,

@@ -57,14 +57,8 @@ class CompiledBlocks:
     """
 
     def __init__(self, program: Program, widths: Mapping[str, int], dtype: Any = np.float64) -> None:
-        """
-        Args:
-            widths: how many columns the array of each source will have.
-            dtype: float64 or float32, of inputs, results and all operations.
-
-        Raises:
-            ImportError, OSError, RuntimeError: llvmlite is not there, or does not compile it.
-        """
+        """`widths`: of the array of each source; `dtype`: float64 or float32, of inputs, results and all operations.
+        ImportError, OSError or RuntimeError where llvmlite is not there, or does not compile it."""
         self.program, self.widths, self.dtype = program, dict(widths), np.dtype(dtype)
         first_row = program.rows(widths)
         self.sources = [source for source in first_row if source]
@@ -81,18 +75,9 @@ class CompiledBlocks:
     def __call__(
         self, sources: Mapping[str, Numbers], samples: int, out: Numbers | None = None, threads: int | None = 1
     ) -> Numbers:
-        """Return the outputs of the program for every sample.
-
-        Args:
-            sources: for each source an array (samples, columns), in any layout; contiguous columns are fastest.
-            out: (samples, outputs) of the executor's dtype, in any layout, written to if given.
-            threads: at most so many work at a time, None is all cores; fewer where the work is small.
-
-        Returns:
-            (samples, outputs); where `out` is not given each column is contiguous.
-
-        Raises:
-            ValueError: a source has another shape than (samples, width).
+        """Return outputs (samples, outputs) for arrays (samples, columns) in any layout, contiguous columns being the
+        fastest, written to `out` if given; else each of their columns is contiguous. At most so many threads work at a
+        time, None is all cores; fewer where the work is small. ValueError where a source has another shape.
 
         Accuracy: each operation is rounded once, or once with the sum that takes it in; sine, cosine and exponential
         within 1 ulp.

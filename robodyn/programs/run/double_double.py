@@ -35,10 +35,7 @@ class Pair(NamedTuple):
 
 @np.errstate(all="ignore")
 def double_double(program: Program, sources: Mapping[str, Floats], samples: int) -> Pair:
-    """Return the outputs of a program for every sample: two arrays (samples, outputs) whose sum they are.
-
-    Args:
-        sources: for each source an array (samples, columns) of floats.
+    """Return the outputs of a program for arrays (samples, columns): two (samples, outputs) whose sum they are.
 
     Accuracy: each operation is right to 1e-31 of its result, sine and cosine to 1e-31, for arguments up to 1e6;
         products of more than 1e300 are nan.

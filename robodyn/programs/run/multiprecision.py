@@ -28,11 +28,7 @@ class Multiprecision:
     """
 
     def __init__(self, program: Program, *, digits: int = 50) -> None:
-        """Args: digits: decimal digits that every operation works with, at least 1.
-
-        Raises:
-            InputError: mpmath is not installed, or `digits` is less than 1.
-        """
+        """`digits`: decimal ones of every operation; InputError for less than 1, or where mpmath is not installed."""
         self.program, self.context = program, context_of(digits)
         context = self.context
 
@@ -53,11 +49,8 @@ class Multiprecision:
         }
 
     def __call__(self, sources: Mapping[str, Any], samples: int) -> NDArray[np.object_]:
-        """Return the outputs of the program for every sample: (samples, outputs) of `mpmath.mpf`.
-
-        Args:
-            sources: for each source an array (samples, columns) of floats or mpmath numbers, each taken as the exact
-                number that it is, however many digits that has.
+        """Return outputs (samples, outputs) of `mpmath.mpf` for arrays (samples, columns) of floats or mpmath numbers,
+        each taken as the exact number that it is, however many digits that has.
 
         Accuracy: each operation is right to 10^(1 - digits) of its result. These are working digits: a program that
         cancels loses some of them. The digits that two runs with different `digits` share are those to be trusted.

@@ -40,11 +40,7 @@ class NumpyBlocks:
     that a block of samples stays in the cache. The last workspace is kept for the next call."""
 
     def __init__(self, program: Program, widths: Mapping[str, int], dtype: Any = np.float64) -> None:
-        """
-        Args:
-            widths: how many columns the array of each source will have.
-            dtype: float64 or float32, of inputs, results and all operations.
-        """
+        """`widths`: of the array of each source; `dtype`: float64 or float32, of inputs, results and all operations."""
         self.dtype: np.dtype[Any] = np.dtype(dtype)
         self.outputs = len(program.outputs)
         self.first_row = program.rows(widths, self.outputs)
@@ -54,14 +50,8 @@ class NumpyBlocks:
         self._ready: dict[int, tuple[Numbers, list[tuple[Any, tuple[Any, ...]]]]] = {}
 
     def __call__(self, sources: Mapping[str, Numbers], samples: int, out: Numbers | None = None) -> Numbers:
-        """Return the outputs of the program for every sample.
-
-        Args:
-            sources: for each source an array (samples, columns), in any layout.
-            out: (samples, outputs), written to if given.
-
-        Returns:
-            (samples, outputs); where `out` is not given each column is contiguous.
+        """Return outputs (samples, outputs) for arrays (samples, columns) of any layout, written to `out` if given,
+        else with contiguous columns.
 
         Accuracy: each operation is rounded once; sine, cosine and exponential are NumPy's (within 1 ulp in float64,
         3 in float32).

@@ -125,14 +125,11 @@ class Runner:
 
         Args:
             sources: for each source an array (samples, columns), in any layout.
-            out: (samples, outputs) of `dtype`, written to if given.
+            out: (samples, outputs) of `dtype`, written to if given; else each column of the values is contiguous.
             executor: "auto", "numpy", "compiled", or "double-double" (1e-30, some 100 times slower than "numpy").
             threads: of the compiled executor; None is all cores.
             expected: samples of the whole work that this run is a part of; 0 if they are not known.
             dtype: float64 or float32: of inputs, results and all operations.
-
-        Returns:
-            Of the values each column is contiguous where `out` is not given.
 
         Raises:
             InputError: no such executor, or the compiled one cannot run here.

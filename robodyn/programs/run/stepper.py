@@ -199,11 +199,8 @@ class CompiledSteps:
         self, source: str, width: int, step: Program, sweep: Program | None, lanes: int, columns: int = 0
     ) -> None:
         """`source`: of both programs, with `width` columns; `step`: of as many outputs; `sweep`: with one more, its
-        change; `columns`: of COLUMNS, the other source, which the programs find anew at each step.
-
-        Raises:
-            ImportError, OSError, RuntimeError: llvmlite is not there, or does not compile them.
-        """
+        change; `columns`: of COLUMNS, the other source, which the programs find anew at each step. ImportError, OSError
+        or RuntimeError where llvmlite is not there, or does not compile them."""
 
         def made(program: Program) -> Function:
             rows = {**program.rows({source: width, COLUMNS: columns}), source: 0, "": width, COLUMNS: 2 * width + 1}

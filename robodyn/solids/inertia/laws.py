@@ -12,15 +12,9 @@ from robodyn.errors import InputError
 from robodyn.programs.vectors import IDENTITY, ZERO, Array, Scalar, product, skew
 from robodyn.support.floats import Floats
 
-_ORTHOGONAL = 1e-9
-
 
 def exact(numbers: ArrayLike) -> Array:
-    """Return floats of any width, integers or fractions, of any shape, as an array of fractions.
-
-    Raises:
-        InputError: one of them is infinite or not a number.
-    """
+    """Return floats of any width, integers or fractions as an array of fractions; InputError if one is not finite."""
     from fractions import Fraction
 
     given = np.asarray(numbers)
@@ -102,7 +96,6 @@ def inertia_of(m: Scalar, c: Array, I_c: Array, R: Array = IDENTITY, p: Array = 
     With c' = R c + p: `m`, `m c'`, `R I_c R^T - m [c'][c']`, the inertia rotation law and the parallel axis theorem.
 
     Args:
-        m: kg.
         c: (3,) centre of mass in the body's frame [m].
         I_c: (3, 3) inertia matrix about the centre of mass, in the body's axes [kg m^2].
 
@@ -140,7 +133,7 @@ def rotation_law(I: Array, R: Array) -> Array:
 def orthogonal(R: Array) -> Array:
     """R, if its rows are orthonormal within 1e-9; raises InputError, with the largest entry of R R^T - 1, if not."""
     error = np.abs(product(R, R.T) - IDENTITY).max() if np.shape(R) == (3, 3) else np.inf
-    if not error <= _ORTHOGONAL:
+    if not error <= 1e-9:
         raise InputError(
             f"the rotation is not orthogonal: R R^T differs from 1 by {error:.3g}",
             remedy="give a 3 x 3 matrix to all its digits, as robodyn.programs.vectors.rotation_from_rpy does",

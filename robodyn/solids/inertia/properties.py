@@ -32,7 +32,6 @@ EQUAL = 1e-9
 Pose = tuple[Array, Array]
 """Rotation (3, 3) and origin (3,) [m] of a frame in another."""
 _NOTHING = np.zeros((3, 3))
-_SYMMETRIC = 1e-12
 Vector = tuple[float, float, float]
 
 
@@ -83,8 +82,7 @@ def principal_axes(S: Array, S_low: Array | float = 0.0, tolerance: float = EQUA
     coordinate axis nearest to their plane.
 
     Args:
-        S: (3, 3) kg m^2, floats or fractions.
-        S_low: (3, 3) what floats leave of it.
+        S, S_low: (3, 3) kg m^2, floats or fractions, and what floats leave of them.
         tolerance: moments are equal if they differ by no more than this part of the largest.
 
     Accuracy: each principal moment and second moment within 16 eps of that of the matrix as given, however small, if
@@ -158,7 +156,7 @@ class MassProperties:
         if shapes != ((3,), (3, 3), (3, 3)):
             raise InputError(f"centre of mass and second moments of shapes {shapes}, not ((3,), (3, 3), (3, 3))")
         S = self.S_exact
-        if np.abs(S - S.T).max() > fraction(_SYMMETRIC) * np.abs(S).max():
+        if np.abs(S - S.T).max() > fraction(1e-12) * np.abs(S).max():
             raise InputError("the second moments are not symmetric", remedy="give S_ij = S_ji")
         S = (S + S.T) / 2
         high = rounded(S)
@@ -243,10 +241,8 @@ def composite(parts: Iterable[tuple[MassProperties, Pose]]) -> MassProperties:
     """Return the mass properties of bodies at given poses, in the frame in which these are given.
 
     m = sum m_i, c = sum m_i c_i / m, S_c = sum (S_i + m_i (c_i - c)(c_i - c)^T), in fractions that are rounded once. A
-    part of negative mass is a hole. Volumes and surfaces are added where all are known.
-
-    Raises:
-        InputError: masses that are not all zero add up to zero; a rotation is not orthogonal.
+    part of negative mass is a hole. Volumes and surfaces are added where all are known. InputError where masses that
+    are not all zero add up to zero, or a rotation is not orthogonal.
 
     Accuracy: `com` correctly rounded and S_c + S_low within 2^-106, entry by entry, in every order of the parts.
     """

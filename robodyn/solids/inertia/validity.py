@@ -19,7 +19,6 @@ from robodyn.support.floats import HALF_UP, Floats
 if TYPE_CHECKING:
     from robodyn.solids.inertia.properties import MassProperties
 
-_TOUCH = 1e-6
 PRINTED = 1e-6
 """Slack for numbers rounded in print, relative to the largest principal moment."""
 
@@ -46,14 +45,13 @@ def half_size(shape: str, size: Sequence[float]) -> Floats:
 
 
 def around(boxes: Sequence[Box]) -> Box:
-    """Return the box around boxes."""
     return Box(np.min([box.lo for box in boxes], axis=0), np.max([box.hi for box in boxes], axis=0))
 
 
 def counted_twice(boxes: Sequence[Box]) -> tuple[str, ...]:
     """Return a remark where bodies may overlap: boxes share more than a layer of 1e-6 of the smaller one."""
     pairs = sum(
-        bool((np.minimum(a.hi, b.hi) - np.maximum(a.lo, b.lo) > _TOUCH * np.minimum(a.hi - a.lo, b.hi - b.lo)).all())
+        bool((np.minimum(a.hi, b.hi) - np.maximum(a.lo, b.lo) > 1e-6 * np.minimum(a.hi - a.lo, b.hi - b.lo)).all())
         for a, b in combinations(boxes, 2)
     )
     if not pairs:
@@ -66,13 +64,8 @@ def box_bound(body: MassProperties, lo: ArrayLike, hi: ArrayLike) -> Floats:
     """(3,) spread S_ii / m over (hi_i - c_i)(c_i - lo_i): none is above 1 for a body in the box, of whatever density.
 
     The inequality of Bhatia and Davis (2000) for the coordinates of the mass; a uniform box reaches a third of it.
-    Infinite where the centre of mass lies outside the box, or on its side and the spread is not zero.
-
-    Args:
-        lo, hi: (3,) corners of the box in the axes of the body's frame [m].
-
-    Raises:
-        InputError: the mass is not positive, or lo > hi.
+    Infinite where the centre of mass lies outside the box, or on its side and the spread is not zero. InputError where
+    the mass is not positive, or lo > hi, the corners (3,) in the axes of the body's frame [m].
 
     Accuracy: the spread within eps, the bound within 2 eps of (hi_i - lo_i) max(|lo_i|, |hi_i|, |c_i|).
     """

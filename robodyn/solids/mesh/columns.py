@@ -186,10 +186,8 @@ _BRACKET = 2.0
 
 @dataclass(frozen=True, eq=False)
 class Quadrature(VolumeIntegrals):
-    """Integrals over a region.
-
-    bar: of the relative error of the volume, and of the second moments about the centre relative to the largest.
-    """
+    """Integrals over a region; bar: of the relative error of the volume, and of the second moments about the centre
+    relative to the largest."""
 
     bar: float
 

@@ -157,15 +157,12 @@ _DEEP = 1e-4
 
 
 def shell_faults(triangles: Triangles) -> tuple[int, bool]:
-    """Return how many shells are wound inwards without being cavities, and whether two wound outwards share volume.
+    """Return how many shells of a closed surface are wound inwards and no cavities, and whether bodies share volume.
 
     Shells are the components of triangles that share corners. One that is wound inwards is a cavity if it lies in one
     wound outwards; two wound outwards of which one has points within the other count what they share twice. A few
     points of each shell are tried, and of many shells only the pairs that share most of their boxes: what is found is
     there, but shells that hardly meet may be missed.
-
-    Args:
-        triangles: a closed surface.
     """
     corners = triangles.array()
     _, number = np.unique(hashed(corners.transpose(1, 2, 0)), return_inverse=True)

@@ -1,7 +1,4 @@
-"""Volume, first and second moments of what a surface encloses, to the digits that are asked for, with bounds.
-
-One pass in float64; then in long double, then in integers, where the bounds are above what is asked.
-"""
+"""Volume, first and second moments of what a surface encloses, to the digits that are asked for, with bounds."""
 
 from __future__ import annotations
 
@@ -174,10 +171,8 @@ def swept(
 def surface(triangles: Triangles) -> tuple[float, Floats, Floats, Floats]:
     """Area, integrals over a surface of x - r and (x - r)(x - r)^T, and r, inside its box, whatever the winding.
 
-    By sums over triangles, in the units of the file (see `robodyn.solids.mesh.kernel`).
-
-    Raises:
-        MeshError: there are no triangles, or moments are beyond the range of a float.
+    By sums over triangles, in the units of the file (see `robodyn.solids.mesh.kernel`). MeshError where there are none,
+    or moments are beyond the range of a float.
 
     Accuracy: S within 1e-15 of its largest entry wherever the origin is, if no triangle is longer than ten times its
         height; the error grows with that ratio.
@@ -226,12 +221,9 @@ def volume_bound(moments: Moments, perm: float, eps: float) -> float:
 def second_bound(moments: Moments, perm: float, reach: Array, eps: float) -> float:
     """eps perm / s and the rounding to a float, of the relative error of principal second moments about the centre.
 
-    s is the smallest eigenvalue of D^-1 S_c D^-1 with D = diag(reach). The errors of S_c are eps perm D_i D_j or less,
-    and scaling leaves relative bounds of eigenvalues as they are (Demmel, Veselic 1992): a thin body that lies along
-    the axes is well conditioned, and the same one askew is not.
-
-    Args:
-        reach: (3,) how far the box reaches from the reference.
+    s is the smallest eigenvalue of D^-1 S_c D^-1, D = diag(reach), by which the box reaches (3,) from the reference.
+    The errors of S_c are eps perm D_i D_j or less, and scaling leaves relative bounds of eigenvalues as they are
+    (Demmel, Veselic 1992): a thin body that lies along the axes is well conditioned, and the same one askew is not.
     """
     if not moments.volume or not reach.all():
         return inf
@@ -265,10 +257,7 @@ def integrate(triangles: Triangles, exact: bool = False) -> Integrals:
 
     Sums of tetrahedra from a reference r inside the box (see `volume_kernel`), in float64; where the bound
     of the error of the volume or of a principal second moment is above 1e-12 in long double, if that has 64 bits; and
-    where it still is, or `exact` is asked for, in integers.
-
-    Raises:
-        MeshError: there are no triangles, or moments are beyond the range of a float.
+    where it still is, or `exact` is asked for, in integers. MeshError as for `surface`.
 
     Accuracy: volume and principal second moments within `bound` and `bound_second`, and so within 1e-12, on every
         closed surface; correctly rounded if exact.
@@ -280,10 +269,7 @@ def measure(triangles: Triangles, exact: bool = False) -> tuple[Integrals, Finge
     """`integrate` and `fingerprint` in one pass over the triangles.
 
     What an open surface encloses depends on the reference: its integrals stay in float64 unless they are to be exact.
-
-    Raises:
-        MeshError: as `integrate`, or it is too large or too small for products of moments, by which symmetry and
-            tessellation are judged.
+    MeshError also where it is too large or small for products of moments, which judge symmetry and tessellation.
     """
     sweep = swept(triangles, volume_kernel, edges=True)
     assert sweep.edges is not None

@@ -72,7 +72,11 @@ def nested(
     least, most = np.full(shells.count, often.max(initial=1)), np.ones(shells.count, np.int64)
     np.minimum.at(least, shells.label, often)
     np.maximum.at(most, shells.label, often)
-    volumes, flat = _volumes(shells)
+    corners = shells.mesh.corners
+    _, first = np.unique(shells.label, return_index=True)
+    terms = triple(corners - corners[first, 0][shells.label][:, None]) / 6  # about a corner of each shell
+    volumes: Floats = np.bincount(shells.label, terms, shells.count).astype(np.float64)
+    flat: Mask = np.abs(volumes) <= _NOISE * np.bincount(shells.label, np.abs(terms), shells.count)
     closed = shells.closed & ~flat
     gaping = ~shells.closed[shells.label]
     gaping[len(gaping) - caps :] = False
@@ -135,16 +139,6 @@ class _States:
         """(k,) what each closed shell does to the volume with its own: adds it, takes it off, or nothing."""
         ways: Numbers = np.where(self.within, 0, np.where(self.inward, -1, 1))
         return ways
-
-
-def _volumes(shells: Shells) -> tuple[Floats, Mask]:
-    """(k,) signed volume of each shell, about a corner of its own; and which vanish but for rounding."""
-    corners = shells.mesh.corners
-    _, first = np.unique(shells.label, return_index=True)
-    terms = triple(corners - corners[first, 0][shells.label][:, None]) / 6
-    volumes: Floats = np.bincount(shells.label, terms, shells.count).astype(np.float64)
-    flat: Mask = np.abs(volumes) <= _NOISE * np.bincount(shells.label, np.abs(terms), shells.count)
-    return volumes, flat
 
 
 def _containers(

@@ -36,7 +36,14 @@ def without_duplicates(mesh: Indexed) -> tuple[Indexed, Numbers]:
     ways cancel: a wall between two bodies, or an insert in its cavity. But one stays where the surface would be open
     without it, or if nothing else is near or around it: a surface that is given from both sides.
     """
-    which, even = _corner_sets(mesh.faces)
+    # (m,) the number of the set of corners of each face, and whether the corners, from the lowest on, go up
+    most = int(mesh.faces.max(initial=0)) + 1
+    low, middle, high = np.sort(mesh.faces, axis=1).T
+    _, pair = np.unique(low * most + middle, return_inverse=True)
+    _, which = np.unique(pair * most + high, return_inverse=True)
+    turn = (mesh.faces.argmin(axis=1)[:, None] + np.arange(3)) % 3
+    _, second, third = np.take_along_axis(mesh.faces, turn, axis=1).T
+    even = np.less(second, third)
     sets = int(which.max(initial=-1)) + 1
     if sets == len(which):
         return mesh, np.ones(sets, np.int64)
@@ -80,17 +87,6 @@ def _enclosed(mesh: Indexed, copies: Numbers) -> Mask:
     return np.zeros_like(found)
 
 
-def _corner_sets(faces: Numbers) -> tuple[Numbers, Mask]:
-    """(m,) the number of the set of corners of each face, and whether the corners, from the lowest on, go up."""
-    most = int(faces.max(initial=0)) + 1
-    low, middle, high = np.sort(faces, axis=1).T
-    _, pair = np.unique(low * most + middle, return_inverse=True)
-    _, which = np.unique(pair * most + high, return_inverse=True)
-    turn = (faces.argmin(axis=1)[:, None] + np.arange(3)) % 3
-    _, second, third = np.take_along_axis(faces, turn, axis=1).T
-    return which, np.less(second, third)
-
-
 def _ranks(names: Numbers, count: Numbers) -> Numbers:
     """(m,) how often a name was there before; count: of each name."""
     rank, order = np.empty_like(names), np.argsort(names, kind="stable")
@@ -118,11 +114,8 @@ def collinear(corners: Floats) -> Mask:
 
 
 def _superfluous(faces: Numbers, doubtful: Mask, alone: bool) -> Mask:
-    """(m,) which of the doubtful faces leave no more edges with an odd number of faces if they go, by connected groups.
-
-    Args:
-        alone: whether a group that touches no other face goes.
-    """
+    """(m,) which of the doubtful faces leave no more edges with an odd number of faces if they go, by connected groups;
+    alone: whether a group that touches no other face goes."""
     rows = np.flatnonzero(doubtful)
     if not rows.size:
         return doubtful

@@ -59,14 +59,11 @@ def symmetry(body: CentredBody, tolerance: float = 1e-6) -> Symmetry:
 
 
 def symmetrized(body: MassProperties, found: Symmetry) -> MassProperties:
-    """Return the average of a body and of its images under all accepted planes and axes, and their products.
+    """Return the average of a body and of its images under all accepted planes and axes [m], and their products.
 
     The centre of mass goes to the nearest place that all of them keep, S_c + m d d^T to the nearest matrix that they
     all keep (their average, as they are orthogonal), d being the way of the centre; products that are 0 by symmetry are
     set to 0. Mass, volume and area stay as they are.
-
-    Args:
-        found: in metres.
     """
     normals = [(plane.normal, plane.offset) for plane in found.planes if plane.holds]
     for axis in found.axes:

@@ -130,13 +130,10 @@ def rim_angles(points: Array, frame: Array) -> Floats:
 
 
 def critical_directions(M: Array) -> Floats:
-    """(n, 3) isolated critical points, one of each opposite pair, of a form M n ... n among unit vectors n.
+    """(n, 3) isolated critical points, one of each opposite pair, of a symmetric form M n ... n among unit vectors n.
 
     Every normal of a mirror plane and every axis is one, wherever the form tells directions apart: one of degree 4 for
     the symmetry of a cube, one of degree 6 for that of an icosahedron. Newton's method from many directions.
-
-    Args:
-        M: (3, 3, ...) symmetric in all indices.
     """
     index = np.arange(_STARTS) + 0.5
     z, turn = index / _STARTS, np.pi * (1 + 5**0.5) * index

@@ -1,7 +1,4 @@
-"""What facets leave out of the smooth body that they may stand for: told by the angles at which they meet.
-
-Bent edges, masses along them, corrected integrals, bars.
-"""
+"""What facets leave out of the smooth body that they may stand for: told by the angles at which they meet."""
 
 from __future__ import annotations
 
@@ -63,7 +60,6 @@ class BentEdges:
     areas: Floats
 
     def among(self, chosen: Mask) -> BentEdges:
-        """Return some of them."""
         if chosen.all():
             return self
         return replace(self, **{name: getattr(self, name)[..., chosen] for name in _COLUMNS})
@@ -209,7 +205,16 @@ def line_masses(corners: Array) -> LineMasses:
     Args:
         corners: (m, 3, 3), wound outwards; an edge has the same bits in both its triangles.
     """
-    edges = _smooth(bent_edges(corners))
+    edges = bent_edges(corners)
+    angle = np.abs(edges.angle)
+    sharp = angle > _SHARPEST
+    if sharp.any():
+        bent = (_companions(edges, ~sharp) > _BENT).all(axis=0) & (angle < _SQUARE)
+        opposed = (_unpaired(edges, ~sharp & (angle > _BENT)) < -_UNPAIRED).all(axis=0)
+        sharp &= ~(_like(edges) & (bent | opposed))
+    ratio = _companions(edges, angle <= _SHARPEST) / angle
+    meant = sharp | ((ratio <= _BESIDE).all(axis=0) & (angle <= _SHARPEST))
+    edges = edges.among(~meant)
     size = np.abs(edges.angle)
     counted = size[size > _BENT] if (size > _BENT).any() else size
     typical = median(counted) if len(size) else 0.0
@@ -219,27 +224,12 @@ def line_masses(corners: Array) -> LineMasses:
     return LineMasses(start, end, missing, doubt, fine[edge])
 
 
-def _smooth(edges: BentEdges) -> BentEdges:
-    """Without those that are meant as they are."""
-    angle = np.abs(edges.angle)
-    sharp = angle > _SHARPEST
-    if sharp.any():
-        bent = (_companions(edges, ~sharp) > _BENT).all(axis=0) & (angle < _SQUARE)
-        opposed = (_unpaired(edges, ~sharp & (angle > _BENT)) < -_UNPAIRED).all(axis=0)
-        sharp &= ~(_like(edges) & (bent | opposed))
-    ratio = _companions(edges, angle <= _SHARPEST) / angle
-    meant = sharp | ((ratio <= _BESIDE).all(axis=0) & (angle <= _SHARPEST))
-    return edges.among(~meant)
-
-
 def _of_smooth(edges: BentEdges, least: float) -> list[tuple[Floats, Floats, Floats, Floats, Integers]]:
     """Starts, ends, missing volumes, doubts and numbers of edges: at these, and at the far ends of facets on each side.
 
     At the apex of a cone volume is missing as the square of the distance s from it: at 3/4 of the length on the
     average. It is spread along the half away from it, where that is so, too; the mean of s^2 is 0.6, and 0.583 there.
-
-    Args:
-        least: angle below which an edge may be one of a plane, and says nothing about its triangles.
+    Below the `least` angle an edge may be one of a plane, and says nothing about its triangles.
     """
     clear = np.abs(edges.angle) > least
     count = np.bincount(edges.triangles[:, clear].ravel(), minlength=len(edges.flat))

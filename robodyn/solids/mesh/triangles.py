@@ -43,10 +43,7 @@ class Triangles(ABC):
     @abstractmethod
     def blocks(self, rows: int = BLOCK) -> Iterator[Corners]:
         """Consecutive blocks (n, 3, 3), 1 <= n <= rows: triangle, corner, coordinate, in units of the file, read-only.
-
-        Raises:
-            MeshError: a corner is not finite (the face is named), or the file changed since it was opened.
-        """
+        MeshError where a corner is not finite (the face is named), or the file changed since it was opened."""
 
     def records(self, rows: int = BLOCK) -> Iterator[Corners]:
         """The blocks as they come fastest: perhaps in the memory of the next, and with corners that are not finite."""

@@ -28,13 +28,9 @@ def code_key(content: object) -> Key:
 
 
 def built(name: str, content: object, ir: Callable[[], str], *arguments: Any) -> Function:
-    """Return the function of this name with these ctypes arguments, from the cache or compiled.
-
-    Args: content: what its IR depends on, with a `repr` that tells every difference; ir: writes the module.
-
-    Raises:
-        ImportError, OSError, RuntimeError: llvmlite is not there, or does not compile it.
-    """
+    """Return the function of this name with these ctypes arguments, from the cache or compiled; `ir` writes the module,
+    which depends on `content`, whose `repr` tells every difference. ImportError, OSError or RuntimeError where llvmlite
+    is not there, or does not compile it."""
     objects = kept_objects()
     key = code_key(content)
     code = objects.get(key)

@@ -1,7 +1,4 @@
-"""The LLVM function that feeds a kernel: block after block of samples, from and to arrays of any layout.
-
-Texts of LLVM IR come first, with places for what depends on the type of numbers; `driver` fills them in.
-"""
+"""The LLVM function that feeds a kernel: block after block of samples, from and to arrays of any layout."""
 
 from __future__ import annotations
 
@@ -258,11 +255,8 @@ def driver(scalar: str, lanes: int) -> str:
     Columns are handed to the kernel where they lie if they are contiguous and the block is a whole number of groups;
     else they are gathered into rows of the thread's own room, `pitch` bytes apart after a table of `table_bytes`, and
     results are scattered from there. What the kernel calls for is `AHEAD` in the same column, or for arrays that are
-    gathered a part of the next block. A result that several columns share is computed once, and copied.
-
-    Args:
-        scalar: "double" or "float".
-        lanes: samples in a group.
+    gathered a part of the next block. A result that several columns share is computed once, and copied. `scalar` is
+    "double" or "float"; a group has `lanes` samples.
     """
     names = {
         "scalar": scalar,

@@ -158,12 +158,8 @@ EXPONENTIAL = _hex(
 
 
 class Angle(NamedTuple):
-    """x = quarters pi/2 + high + low, |high| <= pi/4, low mostly less than an ulp of high.
-
-    Attributes:
-        quarters: the number of quarter turns, in double precision.
-        integer: integers whose low bits are the quarters', as wide as the scalar.
-    """
+    """x = quarters pi/2 + high + low, |high| <= pi/4, low mostly less than an ulp of high; quarters are in double
+    precision; integer: integers whose low bits are the quarters', as wide as the scalar."""
 
     quarters: str
     integer: str

@@ -103,7 +103,6 @@ class Function:
     """A function of an object file that returns 64 bits, in memory for as long as this lives."""
 
     def __init__(self, code: bytes, name: str, *arguments: Any) -> None:
-        """Args: arguments: ctypes types of its arguments."""
         import llvmlite.binding as llvm
 
         host()

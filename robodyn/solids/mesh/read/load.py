@@ -1,7 +1,5 @@
-"""Meshes from files, standard input, bytes and arrays, of the type that is said or that they begin as.
-
-And binary STL, streamed: 80 bytes of header, the number of triangles, then 50 bytes for each of them.
-"""
+"""Meshes from files, standard input, bytes and arrays, of the type that is said or that they begin as; and binary STL,
+streamed: 80 bytes of header, the number of triangles, then 50 bytes for each of them."""
 
 from __future__ import annotations
 
@@ -166,7 +164,6 @@ class StlTriangles(Triangles):
 
 
 def _binary_stl(source: Source, head: bytes, scale: float, notes: tuple[str, ...]) -> StlTriangles:
-    """Return the triangles of a file that begins with `head`."""
     if len(head) < _START:
         what = f"{source.size} bytes are no STL, whose header alone has {_START}"
         raise source.error(what, remedy="export the mesh again")

@@ -182,11 +182,8 @@ def _count_collada(source: Source, root: Element) -> None:
 
 
 def _count(source: Source, uses: dict[str, list[str]], roots: list[str], limit: str, what: str) -> None:
-    """Refuse a scene with too many nodes, each counted as often as it is used, or with nodes too deep in one another.
-
-    Args:
-        uses: by its name, the names of those in each node. limit: name of that of their number.
-    """
+    """Refuse a scene with too many nodes, each counted as often as it is used, or with nodes too deep in one another;
+    uses: by its name, the names of those in each node; limit: name of that of their number."""
     depth, most = limits().mesh_depth, getattr(limits(), limit)
     size: dict[str, int] = {}
     for root in dict.fromkeys(roots):

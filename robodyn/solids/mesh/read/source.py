@@ -57,11 +57,8 @@ class Source:
 
 
 def open_source(source: str | os.PathLike[str] | bytes, typed: bool = False) -> Source:
-    """Return the bytes of a file, of standard input (`-`), or these bytes; pipes are copied to a temporary file.
-
-    Args:
-        typed: see `open_input`; a name that stands in a file is not.
-    """
+    """Return the bytes of a file, of standard input (`-`), or these bytes; pipes are copied to a temporary file. A name
+    that stands in a file is not `typed`; see `open_input`."""
     if isinstance(source, bytes):
         found = Source("<bytes>", len(source), None, io.BytesIO(source))
     elif (path := os.fspath(source)) == "-":
@@ -110,12 +107,8 @@ def reading(name: str) -> Iterator[None]:
 
 
 def scale_of(unit: str | None, own: float | None, name: str) -> tuple[float, str]:
-    """Metres per unit of the file, and the note about it.
-
-    Args:
-        unit: what the caller says, a key of METRES; it counts more than what the file says.
-        own: metres per unit as the file says; None if it does not.
-    """
+    """Metres per unit of the file, and the note about it: `unit`, a key of METRES that the caller says, counts more
+    than `own`, what the file says, if it does."""
     if unit is not None and unit not in METRES:
         raise MeshError(f"unknown unit {unit!r}", remedy=f"units: {', '.join(METRES)}", file=name)
     if unit is None:
