@@ -258,11 +258,9 @@ def _misfit(
     run: Run, structure: Structure, plain: Gathered, weighted: Gathered, theta: Floats, sigma: Floats
 ) -> tuple[Floats, list[str]]:
     """Return (joints,) the standard error of predicted torques beside that of the parameters [N m], and a line if
-    something is missing in the model.
-
-    Each part of the logs where the other parts were fitted, and what is held out, stand for other motions: their errors
-    have in them how residuals go along with the motion, and how they differ between the parts.
-    """
+    something is missing in the model. Each part of the logs where the other parts were fitted, and what is held out,
+    stand for other motions: their errors have in them how residuals go along with the motion, and how they differ
+    between the parts."""
     parts = [least_squares(R, z) for R, z in without_one(weighted, range(FOLDS), structure, sigma)]
     off, least = [], np.zeros(len(sigma))
     passed = [np.linalg.norm(kernel(run.cutoff, log.step)) * log.loud for log in run.logs]

@@ -189,10 +189,8 @@ def outcome(
 
 def covariance(found: Identified) -> Covariance:
     """Return the calibrated parameters with the covariance of the base parameters, carried by those that name groups:
-    the others are taken for known, which changes no torque of a motion that shows no more than the log.
-
-    What the model has not is a constant torque of each joint, unknown by its discrepancy: friction, also of breakaway.
-    """
+    the others are taken for known, which changes no torque of a motion that shows no more than the log. What the model
+    has not is a constant torque of each joint, unknown by its discrepancy: friction, also of breakaway."""
     loads = {f"{name}.load": found.scene.friction[name].load for name in found.scene.loaded}
     names, theta = (*found.names, *loads), np.append(found.theta, list(loads.values()))
     carried = carriers(found.base.base, names)

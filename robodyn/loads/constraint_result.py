@@ -30,13 +30,9 @@ class Peak(NamedTuple):
 
 @dataclass(frozen=True)
 class LoopLoad:
-    """What one loop bears.
-
-    Attributes:
-        force, moment: the largest magnitudes [N, N m]; rms_force, rms_moment: over the whole time.
-        determined: whether its wrench is the only one that balances the motion; open: its equations where it is not.
-        gap: the largest |phi| [m or rad] of the positions that were given.
-    """
+    """What one loop bears. force, moment: the largest magnitudes [N, N m]; rms_force, rms_moment: over the whole time.
+    determined: whether its wrench is the only one that balances the motion; open: its equations where it is not. gap:
+    the largest |phi| [m or rad] of the positions that were given."""
 
     name: str
     link: str
@@ -89,13 +85,9 @@ class Unbalanced:
 
 @dataclass(frozen=True)
 class Missing:
-    """A span of time in which no contact forces balance the motion.
-
-    Attributes:
-        kind: "slip" (more friction would do), "pull" (contacts had to pull), "tip" (the robot tips over) or "fly" (no
-            contact is on).
-        start, end: s; force, moment: largest magnitudes that are missing [N, N m], about the base's origin.
-    """
+    """A span of time in which no contact forces balance the motion. kind: "slip" (more friction would do), "pull"
+    (contacts had to pull), "tip" (the robot tips over) or "fly" (no contact is on). start, end: s; force, moment:
+    largest magnitudes that are missing [N, N m], about the base's origin."""
 
     kind: str
     start: float

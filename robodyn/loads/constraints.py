@@ -160,12 +160,9 @@ class ConstraintPass:
             yield k, self.solver.solve(q[k], qd[k], tau[k], touch)
 
     def response(self, state: Mapping[str, Floats], own: bool = False) -> Floats:
-        """Return (n, n) by how much a sample's torques change with each given acceleration, the others following;
-        0 for those that follow. Half the difference of a step forwards and one back, as cones make pieces.
-
-        Args:
-            state: q (nq,), qd, qdd (n,), columns and touching; own: of each with the least others that loops ask for.
-        """
+        """Return (n, n) by how much a sample's torques change with each given acceleration, the others following; 0 for
+        those that follow. Half the difference of a step forwards and one back, as cones make pieces. state: q (nq,),
+        qd, qdd (n,), columns and touching; own: of each with the least others that loops ask for."""
         M = mass_matrix(self.model, np.ascontiguousarray(state["q"]), scene=self.open, executor="numpy")
         sources = {name: state[name][None] for name in ("q", "qd", "qdd")}
         sources["columns"] = state["columns"][None, : len(self.open.columns)]
@@ -203,13 +200,9 @@ class ConstraintPass:
 
 
 class ContactFigures:
-    """Gathers what contacts bear.
-
-    Attributes:
-        missing: the first spans without contact forces, of `spans` in all.
-        friction: the least coefficient so far that suffices; None where none does.
-        beyond: the first time [s] at which forces balance the motion, and none that keep the effort limits.
-    """
+    """Gathers what contacts bear. missing: the first spans without contact forces, of `spans` in all. friction: the
+    least coefficient so far that suffices; None where none does. beyond: the first time [s] at which forces balance the
+    motion, and none that keep the effort limits."""
 
     def __init__(self, solver: ConstraintSolver) -> None:
         scene = solver.plan.scene

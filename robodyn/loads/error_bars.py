@@ -146,11 +146,9 @@ class ErrorBars:
         return tuple(found)
 
     def over_block(self, state: Mapping[str, Floats]) -> Floats | float:
-        """Return (joints, N) by how much torques may be off, 0 for guesses; state: with noise, off (N, n).
-
-        Noise s of accelerations adds up as sqrt(sum_j (M_kj s_j)^2), what is in doubt besides as sum_j |M_kj d_j|:
-        joints that move together have corners together. Where constraints bear a part, M is that of the first pose.
-        """
+        """Return (joints, N) by how much torques may be off, 0 for guesses; state: with noise, off (N, n). Noise s of
+        accelerations adds up as sqrt(sum_j (M_kj s_j)^2), what is in doubt besides as sum_j |M_kj d_j|: joints that
+        move together have corners together. Where constraints bear a part, M is that of the first pose."""
         noise, off = NOISE * state["noise"], state["off"]
         if self.guessed or not off.any():
             return 0.0

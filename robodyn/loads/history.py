@@ -16,13 +16,9 @@ _ROOM = 1.3  # so many times SPANS may be in use: the duration is an estimate un
 
 @dataclass(frozen=True, eq=False)
 class Curves:
-    """Samples of several columns, each with the same quantities.
-
-    Attributes:
-        quantities: those that decide which samples are kept, then those that are kept with them.
-        kept: (spans, 1 + quantities, columns, 2 * deciding): time [s] and quantities, of the samples where each of the
-            deciding ones is least, then of those where each is greatest.
-    """
+    """Samples of several columns, each with the same quantities. quantities: those that decide which samples are kept,
+    then those that are kept with them. kept: (spans, 1 + quantities, columns, 2 * deciding): time [s] and quantities,
+    of the samples where each of the deciding ones is least, then of those where each is greatest."""
 
     names: tuple[str, ...]
     quantities: tuple[str, ...]
@@ -46,14 +42,9 @@ class Curves:
 
 @dataclass(frozen=True, eq=False)
 class History:
-    """The course of a motion.
-
-    Attributes:
-        joints: of each joint speed, torque, power and acceleration; None without joints.
-        energy: "work done" and "energy stored" since the start [J].
-        states: for each joint q, qd, qdd and columns at its peak torque.
-        contacts: of each contact the force along its normal [N], and whether it is on; None without contacts.
-    """
+    """The course of a motion. joints: of each joint speed, torque, power and acceleration; None without joints. energy:
+    "work done" and "energy stored" since the start [J]. states: for each joint q, qd, qdd and columns at its peak
+    torque. contacts: of each contact the force along its normal [N], and whether it is on; None without contacts."""
 
     joints: Curves | None
     base: Curves

@@ -205,11 +205,9 @@ class BearingPass:
 
 
 def frame(axis: Floats) -> Floats:
-    """Return (3, 3) rows u, v and the axis, right-handed.
-
-    u and v are the coordinate axes that follow the axis in x, y, z, x if it is along one of them (-v if it is against
-    it); otherwise u is at right angles to the axis and to the coordinate axis that it is furthest from.
-    """
+    """Return (3, 3) rows u, v and the axis, right-handed. u and v are the coordinate axes that follow the axis in x, y,
+    z, x if it is along one of them (-v if it is against it); otherwise u is at right angles to the axis and to the
+    coordinate axis that it is furthest from."""
     along = np.abs(axis)
     if along.max() == 1.0:
         k = int(along.argmax())

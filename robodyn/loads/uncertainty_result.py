@@ -45,10 +45,8 @@ class UncertainLimit:
 @dataclass(frozen=True)
 class UncertainLoad:
     """Peak and RMS of a load, of a joint, of its motor, of a component of a bearing's load or of the base wrench.
-
     `shares` are by parameter, of the variance of the peak, largest first; they add up to 1. Correlated parameters share
-    what they make together, which may be negative.
-    """
+    what they make together, which may be negative."""
 
     name: str
     unit: str

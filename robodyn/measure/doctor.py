@@ -32,13 +32,9 @@ _SAMPLES = 1000
 
 @dataclass(frozen=True)
 class Line:
-    """One thing that was looked at.
-
-    Attributes:
-        found: its version or state, in words.
-        verdict: "note" is worth knowing, "missing" costs something, "broken" is to be repaired.
-        remark: what that costs, and what to do; figures: measured, seconds, bytes or a ratio.
-    """
+    """One thing that was looked at. found: its version or state, in words. verdict: "note" is worth knowing, "missing"
+    costs something, "broken" is to be repaired. remark: what that costs, and what to do; figures: measured, seconds,
+    bytes or a ratio."""
 
     group: str
     name: str

@@ -85,10 +85,8 @@ def programs_of(plan: Plan, columns: Sequence[int], count: int) -> Programs:
 
 class Landscape:
     """`-log det (sum Y^T W Y / N) + pressure sum barrier(z)` of motions of a series, z being parts of their bounds.
-
     Positions y (m, size) are combinations x of the shapes of the series, turned joint by joint so that all directions
-    lead to the bounds in steps of alike size. The barrier is -log(1 - z^2), from `_EDGE` on its parabola.
-    """
+    lead to the bounds in steps of alike size. The barrier is -log(1 - z^2), from `_EDGE` on its parabola."""
 
     def __init__(
         self, programs: Programs, bounds: Bounds, series: Fourier, deviations: Floats, samples: int, room: float

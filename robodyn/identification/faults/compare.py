@@ -171,13 +171,9 @@ class Curves:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Measured against computed torques.
-
-    Attributes:
-        samples: rows of the log; compared: seconds that are; cutoff: of the filter [Hz].
-        relative_error, left: ||residual|| / ||measured|| over all joints, before and after all that is told.
-        load_link: where a payload is looked for; gross: (n,) of each joint's residual, what `channels` explain.
-    """
+    """Measured against computed torques. samples: rows of the log; compared: seconds that are; cutoff: of the filter
+    [Hz]. relative_error, left: ||residual|| / ||measured|| over all joints, before and after all that is told.
+    load_link: where a payload is looked for; gross: (n,) of each joint's residual, what `channels` explain."""
 
     robot: str
     file: str

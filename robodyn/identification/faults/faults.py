@@ -35,13 +35,9 @@ _ROUNDS, _SETTLED = 12, 1e-4
 
 @dataclass(frozen=True)
 class Evidence:
-    """Torques and what may explain their difference, all through the same filter, on an even grid.
-
-    Attributes:
-        step: s, of the grid; measured, computed: (k, n) N m.
-        own: (k, n, 3) torque of each joint per unit of its viscous friction, Coulomb friction and rotor inertia; load:
-            (k, n, m) torques per unit of the parameters of a payload.
-    """
+    """Torques and what may explain their difference, all through the same filter, on an even grid. step: s, of the
+    grid; measured, computed: (k, n) N m. own: (k, n, 3) torque of each joint per unit of its viscous friction, Coulomb
+    friction and rotor inertia; load: (k, n, m) torques per unit of the parameters of a payload."""
 
     step: float
     measured: Floats

@@ -13,11 +13,9 @@ _QUIET, _ROUNDS = 5, 4
 
 
 def window_length(residual: Floats) -> int:
-    """Return after how many samples residuals (N, n) are no longer correlated, times two.
-
-    The first lag after which `_QUIET` autocorrelations in a row are within 2 sqrt(log10(N) / N) (Politis and White,
-    Econometric Reviews 23, 2004), the largest of all columns; at most a tenth of the samples.
-    """
+    """Return after how many samples residuals (N, n) are no longer correlated, times two. The first lag after which
+    `_QUIET` autocorrelations in a row are within 2 sqrt(log10(N) / N) (Politis and White, Econometric Reviews 23,
+    2004), the largest of all columns; at most a tenth of the samples."""
     N = len(residual)
     bound, most, longest = 2.0 * np.sqrt(np.log10(N) / N), max(1, N // 20), 1
     spectra = np.fft.rfft(residual, 1 << (2 * N - 1).bit_length(), axis=0)

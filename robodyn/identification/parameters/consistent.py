@@ -108,10 +108,8 @@ def _possible(parameters: Floats, size: float, share: float) -> tuple[Floats, st
 
 def ellipsoid(box: Box) -> Floats:
     """Return Q (4, 4) with tr(P Q) = integral of (1 - (x - x_s)^T A (x - x_s)) dm over a body of pseudo-inertia P.
-
     Positive for every body inside the ellipsoid, which is the smallest around the box: with semi-axes sqrt(3) times
-    half its edges (Traversaro and others 2016; Wensing, Kim, Slotine 2018).
-    """
+    half its edges (Traversaro and others 2016; Wensing, Kim, Slotine 2018)."""
     centre, half = (box.lo + box.hi) / 2, (box.hi - box.lo) / 2
     A = 1.0 / (3.0 * np.maximum(half, _THICKNESS * half.max()) ** 2)
     Q = np.diag((*-A, 1.0 - float((A * centre * centre).sum())))
@@ -329,11 +327,9 @@ class _Path:
         return inf
 
     def _step(self, mu: float) -> float:
-        """Go by Newton's direction to where the objective is least along it; return the square of the decrement.
-
-        In variables u with V + dV = F (1 + dU) F^T, V = F F^T, and signed ones in parts of themselves, the second
-        derivatives of barriers are multiples of the identity, and those of everything are rows^T rows.
-        """
+        """Go by Newton's direction to where the objective is least along it; return the square of the decrement. In
+        variables u with V + dV = F (1 + dU) F^T, V = F F^T, and signed ones in parts of themselves, the second
+        derivatives of barriers are multiples of the identity, and those of everything are rows^T rows."""
         from scipy.linalg import solve_triangular
 
         n, curve = self.inner, self.lam + mu - _FLOOR

@@ -139,10 +139,8 @@ class RegressorColumns:
         self.widths = [len(each) + 2 for each in self.used]
 
     def near(self, bodies: Floats, loads: Mapping[int, float]) -> RegressorColumns:
-        """Return the columns that are linear near a fit (bodies (b,), loads by places of motors), exact there.
-
-        With m = load sign(s), t = Y theta + what is known: t + m |t| is about (1 + m0 sign(t0)) t + (m - m0) |t0|.
-        """
+        """Return the columns that are linear near a fit (bodies (b,), loads by places of motors), exact there. With m =
+        load sign(s), t = Y theta + what is known: t + m |t| is about (1 + m0 sign(t0)) t + (m - m0) |t0|."""
         found = copy(self)
         found._transmitting, found._loads = bodies, dict(loads)
         return found
@@ -223,12 +221,9 @@ def stacked(parts: list[Floats]) -> Floats:
 
 
 class Gathered:
-    """Factors of the rows [columns, torque] of every joint in every fold.
-
-    Attributes:
-        parts: fold -> joint -> factor; channels: of each joint the rows for `told` that are fitted without a guess.
-        squares: (folds, joints) of the measured torques [N^2 m^2]; described: of the description's residuals.
-    """
+    """Factors of the rows [columns, torque] of every joint in every fold. parts: fold -> joint -> factor; channels: of
+    each joint the rows for `told` that are fitted without a guess. squares: (folds, joints) of the measured torques
+    [N^2 m^2]; described: of the description's residuals."""
 
     def __init__(self, folds: int, regressor: RegressorColumns) -> None:
         self.regressor = regressor

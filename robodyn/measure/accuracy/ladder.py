@@ -65,14 +65,9 @@ def refuse_beyond_doubles(target: float) -> None:
 
 @dataclass(frozen=True)
 class Rung:
-    """One method.
-
-    Attributes:
-        errors: true relative errors, one for each of the ladder's `measures`; time: seconds.
-        operations: floating-point operations, None where they are not counted.
-        evaluations: of the equations of motion; drift: of the energy along a motion, relative to the largest kinetic
-            energy; None where there is none.
-    """
+    """One method. errors: true relative errors, one for each of the ladder's `measures`; time: seconds. operations:
+    floating-point operations, None where they are not counted. evaluations: of the equations of motion; drift: of the
+    energy along a motion, relative to the largest kinetic energy; None where there is none."""
 
     name: str
     errors: tuple[float, ...]

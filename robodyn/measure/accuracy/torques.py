@@ -158,11 +158,9 @@ def _executor_ladder(
 
 def derivative_ladder(a_plan: Plan, samples: Trajectory) -> Ladder:
     """Return torques with accelerations by each scheme against the torques of the motion they were derived from; raise
-    InputError if it is too short, or has floating joints and no accelerations.
-
-    Where the accelerations are not given, a smooth motion like the given one takes its place, with white noise of the
-    size that was found in the data: the truth is known, and the data are as bad.
-    """
+    InputError if it is too short, or has floating joints and no accelerations. Where the accelerations are not given, a
+    smooth motion like the given one takes its place, with white noise of the size that was found in the data: the truth
+    is known, and the data are as bad."""
     if samples.derivation is None:
         truth, data, against = samples, samples.q, "the velocities and accelerations given"
     else:

@@ -76,12 +76,9 @@ _PAIRED = re.compile(r"(?P<stem>.*?)[./_]?(?P<part>secs?|n(?:ano)?secs?)", re.IG
 
 @dataclass(frozen=True)
 class Clock:
-    """Columns of time: the stamps (or the whole seconds in them), and nanoseconds to add if there are any.
-
-    Attributes:
-        ticks: how many of the unit make a second; told: whether a name or an option tells that.
-        origin: the first row of the columns, if it is far from zero; the table then subtracts it, exactly.
-    """
+    """Columns of time: the stamps (or the whole seconds in them), and nanoseconds to add if there are any. ticks: how
+    many of the unit make a second; told: whether a name or an option tells that. origin: the first row of the columns,
+    if it is far from zero; the table then subtracts it, exactly."""
 
     column: int
     ticks: int = 1
@@ -215,13 +212,9 @@ class Meaning(NamedTuple):
 
 @dataclass(frozen=True)
 class Signals:
-    """The signals of a robot in coordinate order.
-
-    Args:
-        dependent: joints that have no coordinate (mimic, fixed); their columns are accepted and not used.
-        looped: joints that move a loop: those without columns follow from it.
-        constraints: loops and contacts, whose wrenches may have columns, which are not used.
-    """
+    """The signals of a robot in coordinate order. dependent: joints that have no coordinate (mimic, fixed); their
+    columns are accepted and not used. looped: joints that move a loop: those without columns follow from it.
+    constraints: loops and contacts, whose wrenches may have columns, which are not used."""
 
     joints: tuple[Signal, ...]
     dependent: tuple[str, ...] = ()

@@ -39,11 +39,9 @@ class Basis(NamedTuple):
 
 
 def orthonormal(u: Floats, x: Floats, degree: int) -> Basis:
-    """Polynomials that are orthonormal on samples at u (w, ...), w > degree, and their derivatives at x (...).
-
-    By the recurrence `b_k+1 p_k+1 = (u - a_k) p_k - b_k p_k-1` of Stieltjes: the error grows with the condition of the
-    fit itself, not with its square. NaN or infinities where fewer than degree + 1 of the samples differ.
-    """
+    """Polynomials that are orthonormal on samples at u (w, ...), w > degree, and their derivatives at x (...). By the
+    recurrence `b_k+1 p_k+1 = (u - a_k) p_k - b_k p_k-1` of Stieltjes: the error grows with the condition of the fit
+    itself, not with its square. NaN or infinities where fewer than degree + 1 of the samples differ."""
     size = 1.0 / np.sqrt(len(u))
     on = np.full((degree + 1, *u.shape), size)
     at = np.zeros((degree + 1, 3, *x.shape))

@@ -60,13 +60,9 @@ def consistent(groups: Sequence[Group], pieces: Sequence[Trajectory]) -> Floats 
 
 @dataclass(frozen=True)
 class GivenRates:
-    """What is given, against the positions.
-
-    Attributes:
-        own: how the same is derived from the positions.
-        wrong: columns of qdd that positions contradict; their bars are those of what positions tell.
-        open, noise: (n,) of the others: what positions leave open, and the standard deviation of their noise.
-    """
+    """What is given, against the positions. own: how the same is derived from the positions. wrong: columns of qdd that
+    positions contradict; their bars are those of what positions tell. open, noise: (n,) of the others: what positions
+    leave open, and the standard deviation of their noise."""
 
     own: Plan
     wrong: NDArray[np.intp]

@@ -39,12 +39,10 @@ def resolution(quantum: float, noise: float, largest: float) -> float:
 
 
 def standing(positions: Floats, band: float, speeds: Floats | None = None, slight: float = 0.0) -> Flags:
-    """Whether a joint stands still in each row (N,), by its positions and the band of `resolution`.
-
-    It does in windows in which its positions stay within their resolution: of LONGEST rows, or of fewer where it
-    leaves the place fast before and after, as where it stops between two moves; a slow motion does not, nor does a
-    turning point. Speeds that are given must be `slight`, and 0 in the mean within their own scatter.
-    """
+    """Whether a joint stands still in each row (N,), by its positions and the band of `resolution`. It does in windows
+    in which its positions stay within their resolution: of LONGEST rows, or of fewer where it leaves the place fast
+    before and after, as where it stops between two moves; a slow motion does not, nor does a turning point. Speeds that
+    are given must be `slight`, and 0 in the mean within their own scatter."""
     count = len(positions)
     found = np.zeros(count, dtype=bool)
     near = np.concatenate(([False], np.abs(np.diff(positions)) <= band, [False]))

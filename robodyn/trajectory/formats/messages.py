@@ -222,11 +222,9 @@ def _scalar(text: str) -> Any:
 
 
 class LogTable(ArrayTable):
-    """A table of messages: what it has beyond the robot is left out.
-
-    Rows are the messages of the publisher that has most: those about one set of joints, and of such with the same stamp
-    the first. Joints that only others tell of are interpolated onto its stamps, linearly.
-    """
+    """A table of messages: what it has beyond the robot is left out. Rows are the messages of the publisher that has
+    most: those about one set of joints, and of such with the same stamp the first. Joints that only others tell of are
+    interpolated onto its stamps, linearly."""
 
     leaves_out = True
 
