@@ -139,6 +139,8 @@ _OURS = {
     "a scene that was identified": rb"\A# identified by robodyn",
     "a covariance": rb'\A\{"parameters"',
     "source code": rb"written by robodyn",
+    "a converted description": rb"converted by robodyn",
+    "a converted mesh": rb"\Awritten by robodyn",
     "a baseline": rb'"robodyn_baseline"',
     "a list of findings": rb'<testsuites name="robodyn |\A\{\s*"(findings|\$schema)"|\A::\w+ file=|files? checked'
     rb"|(error|warning|note) RD\d",

@@ -27,6 +27,7 @@ ARGUMENTS = {
     "equations": ["arm.urdf"],
     "linearize": ["arm.urdf"],
     "export": ["arm.urdf", "--to", "c"],
+    "convert": ["arm.urdf", "--to", "mjcf", "--out", "arm.xml"],
     "excite": ["arm.urdf"],
     "identify": ["arm.urdf", "log.csv"],
     "info": ["arm.urdf"],
@@ -53,6 +54,7 @@ SUFFIX = {
     "a scene that was identified": ".toml",
     "a covariance": ".json",
     "source code": ".c",
+    "a converted description": ".xml",
     "a picture": ".svg",
     "a list of findings": ".sarif",
 }
@@ -64,6 +66,7 @@ RESULTS = (
     "torques arm.urdf arm.csv --out tau.npz --report tau.html",
     "torques arm.urdf arm.csv --out tau.parquet",
     "export arm.urdf --to c --out arm.c",
+    "convert arm.urdf --to mjcf --out arm.xml",
     "linearize arm.urdf --out linear.npz",
     "fbd arm.urdf --svg drawings",
     "check arm.urdf --also sarif=found.sarif --also text=found.txt --also junit=found.xml --also short=short.txt",

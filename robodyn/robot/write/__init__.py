@@ -1,0 +1,1 @@
+"""Descriptions as text of a format, with what that format cannot say."""
