@@ -155,7 +155,8 @@ def test_what_cannot_be_expanded(robot: Path, text: str, line: str, capfd: pytes
     robot.write_text(text)
     with pytest.raises(InputError) as error:
         findings(robot)
-    assert str(error.value).startswith(f"{robot}: xacro cannot expand it: ")
+    place = f"{robot}:1" if "{" in text or "include" in text else f"{robot}"
+    assert str(error.value).startswith(f"{place}: xacro cannot expand it: ")
     assert line in str(error.value)
     assert capfd.readouterr() == ("", "")
 

@@ -59,17 +59,17 @@ def expanded(
     if "problem" in found:
         if only_defines(path):
             raise no_robot(path)
-        what = found["problem"]
+        what, line = found["problem"], found.get("line")
+        file = _as_named(path, found["file"]) if found.get("file") else path
         if not found["refused"]:
             remedy = f"try: xacro {path}"
             if "the package '" in what:
                 remedy = "--package-path DIR names the package or the folder it is in"
             elif "argument" in what:
                 remedy = "--xacro-arg NAME:=VALUE gives it a value"
-            raise InputError(f"xacro cannot expand it: {what}", remedy=remedy, file=path)
-        file = path if found["file"] is None else _as_named(path, found["file"])
+            raise InputError(f"xacro cannot expand it: {what}", remedy=remedy, file=file, line=line)
         remedy = "; ".join(filter(None, (found["remedy"], _TRUST)))
-        raise InputError(f"{what} is refused", remedy=remedy, file=file, line=found["line"])
+        raise InputError(f"{what} is refused", remedy=remedy, file=file, line=line)
     for name in given:
         if name not in found["arguments"]:
             remedy = alternatives(name, found["arguments"], "arguments")

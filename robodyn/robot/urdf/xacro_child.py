@@ -203,10 +203,9 @@ def answer(
             raise RefusedError(f"an expansion of more than {MOST_OUTPUT} characters")
     except (Exception, SystemExit) as error:
         refused = next((each for each in _causes(error) if isinstance(each, RefusedError)), None)
-        if refused is None:
-            return {"problem": _sentence(error), "refused": False}
-        file, line = expansion.place()
-        return {"problem": str(refused), "refused": True, "remedy": refused.remedy, "file": file, "line": line}
+        what, remedy = (_sentence(error), "") if refused is None else (str(refused), refused.remedy)
+        place = dict(zip(("file", "line"), expansion.place(), strict=True))
+        return {"problem": what, "refused": refused is not None, "remedy": remedy, **place}
     return {"text": text, "files": marks.files, "places": places, "arguments": list(given.known)}
 
 
