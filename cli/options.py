@@ -130,8 +130,7 @@ def together(*options: Decorator) -> Decorator:
 
 
 def takes(*options: Decorator) -> Decorator:
-    """Return a decorator that gives a function a `Call` first, of those options that commands share, and by name the
-    values of all others."""
+    """Return a decorator that gives a function a `Call` of the options that commands share, and the others by name."""
 
     def decorate(function: Callback) -> Callback:
         @wraps(function)

@@ -133,9 +133,8 @@ def answer(
     last: Section = (),
     **others: Callable[[], str],
 ) -> None:
-    """Show a result in the form that is asked for (`form` in place of --format, `others` are not text), after its
-    report is written, with figures or without, if there shall be one; `written` are lines on other files, `last` stands
-    below these."""
+    """Show a result in the form asked for (`form` in place of --format, `others` are not text) after its report is
+    written, if there shall be one; `written` are lines on other files, `last` stands below these."""
     from robodyn.report.document import text
 
     form = form or call.form

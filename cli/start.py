@@ -26,7 +26,10 @@ def start() -> NoReturn:
     gc.set_threshold(ALLOCATIONS, 20, 20)
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     os.environ["PYTHONSAFEPATH"] = "1"  # for processes that libraries start
-    _import_nothing_from_here()
+    # `python -m` and an empty entry of PYTHONPATH put the current folder there; robodyn itself is found already.
+    here, library = os.path.realpath(os.curdir), os.path.dirname(os.__file__)
+    before = sys.path.index(library) if library in sys.path else 0
+    sys.path[:before] = [path for path in sys.path[:before] if os.path.realpath(path or os.curdir) != here]
     status = 0
     try:
         import signal
@@ -50,13 +53,6 @@ def start() -> NoReturn:
 def _interrupt(number: int, _: FrameType | None) -> NoReturn:
     _seen.append(number)
     raise KeyboardInterrupt
-
-
-def _import_nothing_from_here() -> None:
-    """Take the current folder, which `python -m` and an empty entry of PYTHONPATH put there, out of the path."""
-    here, library = os.path.realpath(os.curdir), os.path.dirname(os.__file__)
-    before = sys.path.index(library) if library in sys.path else 0
-    sys.path[:before] = [path for path in sys.path[:before] if os.path.realpath(path or os.curdir) != here]
 
 
 def _leave(status: int) -> NoReturn:

@@ -62,7 +62,7 @@ PATIENCE = 10
 
 
 class Job(NamedTuple):
-    """One trajectory: its name as given, absolute paths of it and of its results, and the table's name as printed."""
+    """One trajectory: its name as given, absolute paths of it and its results, and the table's name as printed."""
 
     name: str
     path: str
@@ -161,9 +161,8 @@ class Setup:
 
 
 def run_job(setup: Setup, job: Job) -> Outcome:
-    """Compute one trajectory and write its table, then its document, each whole or not at all; nothing where a document
-    of this digest (robot, scene, options, version, trajectory) stands beside a table of the size that it tells. Every
-    fault is part of the outcome."""
+    """Compute one trajectory and write its table, then its document, each whole or not at all, unless a document of
+    this digest stands beside a table of the size that it tells. Every fault is part of the outcome."""
     try:
         if setup.version != VERSION:
             what = f"robodyn {VERSION} works on it, the batch is of robodyn {setup.version}"

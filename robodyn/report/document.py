@@ -135,8 +135,7 @@ def page(
     files: Iterable[tuple[str, str]],
     instead: str,
 ) -> Document:
-    """Return a report: what leads it, then what the text says, then files (name, text), for large ones how to get them
-    instead; tables without a caption get one."""
+    """Return a report: what leads it, what the text says, then files (name, text), or how to get large ones instead."""
     numbers = [
         replace(block, caption=f"{caption}: {block.head[0]}")
         if isinstance(block, Table) and not block.caption

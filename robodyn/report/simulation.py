@@ -24,8 +24,8 @@ PLOTTED = 12
 
 
 def simulation_sections(result: Simulation, explain: bool = False) -> Iterator[doc.Section]:
-    """Yield what was integrated and how, where the motion ends, what it reaches, and what drifted; to explain also
-    why each effect is on or off."""
+    """Yield what was integrated and how, what it reaches, and what drifted; to explain also why effects are on or
+    off."""
     size = simulation_sizes(result)
     on = [effect.name for effect, why in result.effects if why.active]
     length = f"steps of {result.step:.6g} s" if result.step is not None else f"steps, rtol {result.rtol:.3g}"

@@ -1,6 +1,5 @@
-"""The largest of each kind that a case has, by unit: what is smaller by `NOISE` beside it is shown as 0. A moment is
-told also beside the largest force at the robot's reach, whose rounding makes its own, a power beside torque times
-speed."""
+"""The largest of each kind that a case has, by unit, for what is small beside it is shown as 0. A moment is told also
+beside the largest force at the robot's reach, whose rounding makes its own, a power beside torque times speed."""
 
 from __future__ import annotations
 

@@ -42,8 +42,8 @@ _UNITS = {"com": "m", "p": "kg m/s", "L": "kg m^2/s", "T": "J", "V": "J", "power
 
 
 def torques_sections(result: Result, explain: bool = False) -> Iterator[Section]:
-    """Yield joints, what makes their peaks, base loads, self-checks, limits exceeded, warnings; not the verdict;
-    to explain also why each effect is on or off, what it costs, and the plan."""
+    """Yield joints, peaks, base loads, self-checks and so on, but the verdict; to explain also effects, their cost, the
+    plan."""
     result = offenders_first(result)
     size = result_sizes(result)
     what = f"{count(len(result.joints), 'joint')}, {count(result.samples, 'sample')}, {result.duration:.6g} s"

@@ -227,8 +227,7 @@ def energy_figures(balance: EnergyBalance, history: History, size: Sizes) -> Ite
 
 
 def share_figures(joints: Sequence[JointLoad]) -> Iterator[doc.Figure]:
-    """Yield what each effect adds to the peaks, in parts of them: what makes them to the right, what lessens them to
-    the left; no effect of less than 1e-3 of every peak."""
+    """Yield what each effect of at least 1e-3 adds to the peaks, in parts of them; what lessens them to the left."""
     names = [name for joint in joints for name, share in joint.shares.items() if abs(share) >= 1e-3 * abs(joint.peak)]
     names = list(dict.fromkeys(names))
     many = -(-len(joints) // 14)

@@ -201,26 +201,21 @@ def _loop(table: TomlTable) -> parts.Loop:
     elif given["kind"] == "weld":
         given["rpy"] = table.field(parts.Loop, "rpy")
     else:
-        given["directions"] = _directions(table)
+        found: tuple[parts.Vector, ...] = table.field(parts.Loop, "directions")
+        lengths, wrong = np.linalg.norm(np.array(found).reshape(-1, 3), axis=1), ""
+        if not all(lengths):
+            wrong = 'one of "directions" is zero'
+        elif len(found) > 3:
+            wrong = f'"directions" are {len(found)}, not at most 3 vectors of 3 numbers'
+        elif found and np.linalg.svd(np.array(found) / lengths[:, None], compute_uv=False).min() <= _FLAT:
+            wrong = 'two of "directions" are parallel, or three lie in a plane'
+        if wrong:
+            raise table.error(wrong, "give each direction once, in the axes of the other link", "directions")
+        given["directions"] = found
     loop = table.read(parts.Loop, **given)
     if loop.link == loop.to:
         raise table.error(f'"link" and "to" are both "{loop.link}"', "a loop connects two links", "to")
     return loop
-
-
-def _directions(table: TomlTable) -> tuple[parts.Vector, ...]:
-    found: tuple[parts.Vector, ...] = table.field(parts.Loop, "directions")
-    lengths = np.linalg.norm(np.array(found).reshape(-1, 3), axis=1)
-    wrong = ""
-    if not all(lengths):
-        wrong = 'one of "directions" is zero'
-    elif len(found) > 3:
-        wrong = f'"directions" are {len(found)}, not at most 3 vectors of 3 numbers'
-    elif found and np.linalg.svd(np.array(found) / lengths[:, None], compute_uv=False).min() <= _FLAT:
-        wrong = 'two of "directions" are parallel, or three lie in a plane'
-    if wrong:
-        raise table.error(wrong, "give each direction once, in the axes of the other link", "directions")
-    return found
 
 
 def _contact(table: TomlTable) -> parts.Contact:

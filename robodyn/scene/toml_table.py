@@ -71,8 +71,8 @@ def read_toml(data: bytes, file: str) -> dict[str, Any]:
 
 
 def merged(sources: Sources) -> dict[str, Any]:
-    """Return the tables of several TOML texts as those of one: tables are put together, lists are joined; SceneError
-    with both places of a key that stands in two of them."""
+    """Return the tables of several TOML texts as one; SceneError with both places of a key that stands in two of
+    them."""
     whole: dict[str, Any] = {}
     for k, (data, file) in enumerate(sources):
         for path in _put(whole, read_toml(data, file), ()):
@@ -182,7 +182,14 @@ class TomlTable:
                 raise self.error(f'"{key}" is {written}', rule.remedy, key)
             return value
         if get_origin(kind) is tuple:
-            return self._items(key, value, get_args(kind), remedy)
+            items = get_args(kind)
+            many = items[-1] is ...
+            if not isinstance(value, list) or (not many and len(value) != len(items)):
+                nouns = "numbers" if float in items else "numbers or names of columns"
+                written = f'write {key} = ["a", "b"]' if items[0] is str else _WRITTEN.get(len(items), "").format(key)
+                what = "a list" if many else f"{len(items)} {nouns}"
+                raise self.error(f'"{key}" is {value!r:.60}, not {what}', remedy or written or None, key)
+            return tuple(self.converted(key, each, items[0], remedy) for each in value)
         kinds = [each for each in get_args(kind) or [kind] if each is not type(None)]
         if len(kinds) == 1 and kinds != [kind]:
             return self.converted(key, value, kinds[0], remedy)
@@ -195,15 +202,6 @@ class TomlTable:
             return float(value)
         what = "a finite number" if float in kinds else "a name" if str in kinds else "true or false"
         raise self.error(f'"{key}" is {value!r:.60}, not {what}', remedy, key)
-
-    def _items(self, key: str, value: Any, kinds: tuple[Any, ...], remedy: str | None) -> tuple[Any, ...]:
-        many = kinds[-1] is ...
-        if not isinstance(value, list) or (not many and len(value) != len(kinds)):
-            nouns = "numbers" if float in kinds else "numbers or names of columns"
-            written = f'write {key} = ["a", "b"]' if kinds[0] is str else _WRITTEN.get(len(kinds), "").format(key)
-            what = "a list" if many else f"{len(kinds)} {nouns}"
-            raise self.error(f'"{key}" is {value!r:.60}, not {what}', remedy or written or None, key)
-        return tuple(self.converted(key, each, kinds[0], remedy) for each in value)
 
     def field(self, kind: type, name: str, *default: Any) -> Any:
         """Return the value of the key that a field of a dataclass is, read by its type; without it its default."""
@@ -236,8 +234,7 @@ class TomlTable:
         return TomlTable(values, what, self._sources, (*self._path, key, *number))
 
     def read(self, kind: type[T], /, **given: Any) -> T:
-        """Return a dataclass, each field of which is given or the key of its name, read by its type; no other key may
-        be left."""
+        """Return a dataclass, each field given or the key of its name, read by its type; no other key may be left."""
         for each in fields(kind):  # type: ignore[arg-type]
             if each.name not in given:
                 given[each.name] = self.field(kind, each.name)

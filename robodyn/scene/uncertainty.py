@@ -1,5 +1,5 @@
-"""How well a robot's parameters are known: standard deviations, or a covariance, which stands in a JSON file as
-`robodyn identify` writes it and `[uncertainty]` reads it."""
+"""How well a robot's parameters are known: standard deviations, or a covariance from a JSON file of `robodyn
+identify`."""
 
 from __future__ import annotations
 

@@ -105,8 +105,8 @@ def cannot_be_written(path: str, remedy: str = "nothing was written") -> Iterato
 
 
 def remove_abandoned(path: str) -> None:
-    """Remove what processes that were killed have left of this file half-written; what a living one is writing is
-    locked, or, under Windows, cannot be removed."""
+    """Remove what killed processes have left of this file half-written; what a living one writes is locked or in
+    use."""
     target = os.path.realpath(path)
     for part in glob(f"{escape(target)}.*.part"):
         if not _PART.fullmatch(part, len(target)):

@@ -30,8 +30,8 @@ def median(values: ArrayLike) -> float:
 
 
 def steady(numbers: ArrayLike, noise: float = 0.0) -> Floats:
-    """Return the numbers rounded to 30 bits, which comparisons are made with, by Veltkamp's splitting (Dekker 1971); 0
-    where they are within `noise`, in their unit, which arithmetic cannot tell from zero."""
+    """Return the numbers rounded to 30 bits for comparisons (Veltkamp's splitting, Dekker 1971), and 0 within their
+    `noise`."""
     given = np.asarray(numbers, dtype=float)
     with np.errstate(over="ignore", invalid="ignore"):
         large = given * _SPLIT

@@ -54,8 +54,8 @@ def frozen(value: Any) -> Any:
 
 
 def frozen_value(value: Any) -> Any:
-    """Return the value in one way of writing: mappings are read-only and sorted, sequences and arrays are tuples,
-    numbers are floats, zero has no sign."""
+    """Return the value in one way of writing: mappings read-only and sorted, sequences tuples, numbers floats, no
+    signed 0."""
     if isinstance(value, Mapping):
         return FrozenMapping({key: frozen_value(value[key]) for key in sorted(value)})
     if isinstance(value, (list, tuple)):

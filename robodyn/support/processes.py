@@ -86,8 +86,8 @@ class _Worker(Generic[R]):
 
 @contextmanager
 def delayed_interruption() -> Iterator[None]:
-    """Let an interruption wait; processes that are started meanwhile never get one, though polars handles signals: a
-    terminal interrupts all, of which only the first is to end the others."""
+    """Let an interruption, which a terminal sends to all processes, wait; those that are started meanwhile never get
+    one."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
@@ -166,8 +166,8 @@ def in_processes(
 
 
 def serve() -> None:
-    """Work until there is no more, in a process that `in_processes` has started: calls come by standard input, answers
-    go by standard output, which what is called finds empty and leads to standard error."""
+    """Answer the calls of `in_processes` until there are no more; what is called has its standard output on standard
+    error."""
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # so that half-written files are removed
     calls, answers = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
     with open(os.devnull, "rb") as nothing:

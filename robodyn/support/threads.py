@@ -48,8 +48,8 @@ def in_threads(work: Callable[[Item], Result], items: Iterable[Item], threads: i
 
 
 def prefetch(items: Iterator[Item]) -> Iterator[Item]:
-    """Yield the same items, each made while the one before is used; what `items` raises is raised in its place. Without
-    `concurrent.futures`, which takes 15 ms to import."""
+    """Yield the same items, each made while the one before is used; without `concurrent.futures`, whose import takes 15
+    ms."""
     ready: Queue[Any] = Queue(maxsize=1)
     wanted = True
 

@@ -91,8 +91,8 @@ def alternatives(name: str, valid: Collection[str], kind: str) -> str:
 
 
 def slip_of(name: str, known: Collection[str]) -> str | None:
-    """Return the known name that this is but for a slip of one or two letters, of words of letters alone (position_x is
-    no slip of position); None if it is known, or another's."""
+    """Return the known name that this is but for a slip of one or two letters, if it is a word of letters (no
+    position_x)."""
     if name in known or not name.isalpha():
         return None
     return next((other for other in known if _edits(name, other) <= _SLIPS), None)
@@ -111,8 +111,8 @@ def _edits(one: str, other: str) -> int:
 
 
 def nearest(name: str, valid: Collection[str]) -> list[str]:
-    """Return the valid name that is spelled almost so, in any case, or else those that hold it, that it holds, or one
-    of whose parts is spelled almost so, as sholder in shoulder_pan_joint."""
+    """Return the valid name that is spelled almost so, in any case, or else those that hold it, are held, or have such
+    a part."""
     if not 0 < len(name) <= _LONGEST:
         return []
     from difflib import get_close_matches
@@ -134,8 +134,7 @@ def nearest(name: str, valid: Collection[str]) -> list[str]:
 
 
 def shortened(names: Sequence[str], most: int) -> list[str]:
-    """Return different names of at most so many characters, cut in the middle, elsewhere where that leaves some alike,
-    and still different; what no cut tells apart stays as it is."""
+    """Return different names, cut in the middle to so many characters, unless no cut tells them apart."""
     found = {name: name for name in names}
     alike, places = list(found), sorted(range(1, most - 3), key=lambda head: (abs(2 * head - (most - 3)), head))
     for head in [*places, None]:

@@ -78,7 +78,7 @@ def plot(width: int, height: int, draw: Callable[[Canvas], None], name: str) -> 
 
 
 def _themed(svg: str) -> str:
-    """Return the element alone: colours of the page, coordinates to a tenth of a pixel, no names of groups."""
+    """Return the element alone, in colours of the page, with coordinates to a tenth of a pixel."""
 
     def shorter(path: re.Match[str]) -> str:
         return re.sub(r"(?<=\d\.\d)\d+", "", path[0]).replace(".0 ", " ").replace("\n", "").replace(" L", "L")

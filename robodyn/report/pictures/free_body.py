@@ -112,8 +112,7 @@ def drawings(found: FreeBodies, state: str) -> Iterator[tuple[str, str]]:
 
 
 def drawing(body: FreeBody, title: str, size: Sizes) -> str:
-    """Return the SVG of one body, isometric from (1, 1, 1) of the ground's frame; below every action with its
-    components, as many decimals as show three or four digits of the largest, 0 for noise beside the robot's."""
+    """Return the SVG of one body, isometric from (1, 1, 1) of the ground's frame, below it its actions in numbers."""
     width, height = SHEET.width, SHEET.bottom + _ROW * (len(body.actions) + len(NOTES)) + 56
     title, name = (
         text if len(text) <= most else f"{text[: most - 3]}..." for text, most in ((title, 95), (body.name, 48))
@@ -257,8 +256,7 @@ class Arrow(NamedTuple):
 
 
 def arrows(body: FreeBody, spots: list[Point], size: Sizes) -> list[Arrow]:
-    """Return the arrows of every force and moment that does not vanish beside the largest on the robot, each at its
-    spot on paper."""
+    """Return the arrows of every force and moment that is no noise beside the largest, each at its spot on paper."""
     found: list[Arrow] = []
     for turning, (name, unit) in enumerate(_PARTS.items()):
         amounts = [length(getattr(action, name)) for action in body.actions]

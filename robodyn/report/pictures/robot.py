@@ -38,8 +38,8 @@ Solid = tuple[int, Floats]
 
 
 def shapes_of(description: Description) -> tuple[dict[str, Floats], str]:
-    """Return the triangles (m, 3, 3) of each link's visual shapes, in its frame [m], and what is said of meshes that
-    are not there or cannot be read."""
+    """Return (m, 3, 3) of each link's visual shapes in its frame [m], and what is said of meshes that cannot be
+    read."""
     from trimesh import creation
 
     found: dict[str, list[Floats]] = {}

@@ -94,7 +94,6 @@ def check_github(findings: Sequence[Finding], unread: Sequence[Unread] = ()) -> 
 
 
 def _path(file: str) -> str:
-    """Return the path as the repository has it; standard input as it is."""
     return file if file.startswith("<") else os.path.normpath(file).replace(os.sep, "/")
 
 
@@ -201,5 +200,4 @@ def _location(finding: Finding, region: Region) -> Object:
 
 
 def _artifact(file: str) -> Object:
-    """Return a relative path as it is, an absolute one as file:, standard input as a name."""
     return {"uri": Path(file).as_uri() if os.path.isabs(file) else quote(_path(file))}

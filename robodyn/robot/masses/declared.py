@@ -19,8 +19,8 @@ from robodyn.support.wording import shown
 
 @dataclass(frozen=True, eq=False)
 class LinkInertia:
-    """What is declared of one link: the body in the link's frame, whose pose is that in the base's, or in itself if the
-    link is asked for alone."""
+    """What is declared of one link: the body in the link's frame, whose pose is in the base's, or itself if asked for
+    alone."""
 
     name: str
     line: int

@@ -113,8 +113,8 @@ class Given:
 
     @property
     def made_up(self) -> bool:
-        """Whether the tensor was raised to a floor, or mass and moments have one digit each and there are no products:
-        such numbers are a stand-in, and are in no other unit."""
+        """Whether the tensor is a stand-in, in no other unit: raised to a floor, or of one digit each and without
+        products."""
         xx, xy, xz, yy, yz, zz = self.entries
         short = not (xy or xz or yz) and all(float(f"{value:.0e}") == value for value in (self.mass, xx, yy, zz))
         return short or self.raised

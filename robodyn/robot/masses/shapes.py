@@ -294,8 +294,8 @@ def _difference(given: MassProperties, inertial: Inertial, shapes: ShapesInertia
 
 
 def mistakes_in_words(inertial: Inertial, shapes: MassProperties) -> tuple[str, ...]:
-    """Return the mistake that explains an inertial of positive mass, in words, or those of which one does; the shapes
-    are of one density, in the link's frame."""
+    """Return in words the mistake that explains an inertial of positive mass by shapes of one density, in the link's
+    frame."""
     R, p = placement(inertial.origin)
     if not any(inertial.inertia) or not shapes.volume:
         return ()

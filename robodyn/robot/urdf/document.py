@@ -370,7 +370,14 @@ class _Reader:
             if ":" in name:
                 self._check_prefix(element, name)
         if self._may_have_xacro and not self._in_extension():
-            self._check_expressions(element)
+            part = stack[1] if stack[1:] else None
+            name = None if part is None or part.tag not in OWN_TAGS else part.get("name")
+            owner = "" if part is None or not name else f"{part.tag} {shown(name)}: "
+            for attribute, value in element.values.items():
+                if unexpanded(value):
+                    span = element.attributes[attribute].value_span
+                    what = f"{owner}{attribute}={shown(value)} is left over from xacro"
+                    self._add("RD004", span.start, span.end, what, _RUN_XACRO)
 
     def _end(self, tag: str) -> None:
         self._stack.pop().text = "".join(self._texts.pop())
@@ -395,16 +402,6 @@ class _Reader:
             remedy = f'add xmlns:{prefix}="{_NAMESPACES.get(prefix, "...")}" to <robot>'
         start = element.start + 1 if name == element.tag else element.attributes[name].span.start
         self._add(code, start, start + len(name.encode()), what, remedy)
-
-    def _check_expressions(self, element: Element) -> None:
-        part = self._stack[1] if self._stack[1:] else None
-        name = None if part is None or part.tag not in OWN_TAGS else part.get("name")
-        owner = "" if part is None or not name else f"{part.tag} {shown(name)}: "
-        for attribute, value in element.values.items():
-            if unexpanded(value):
-                span = element.attributes[attribute].value_span
-                what = f"{owner}{attribute}={shown(value)} is left over from xacro"
-                self._add("RD004", span.start, span.end, what, _RUN_XACRO)
 
 
 def _tag(element: Element) -> str:

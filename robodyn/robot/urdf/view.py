@@ -154,8 +154,6 @@ def _number(name: str, count: int = 1, child: str = "") -> Kept[Numbers]:
 
 
 def _text(name: str, child: str = "") -> Kept[str]:
-    """Return an attribute of the part's element, or of its first child with that tag; empty where it is missing."""
-
     def read(part: Part) -> str:
         element = part.element.find(child) if child else part.element
         return (element and element.get(name)) or ""

@@ -92,8 +92,8 @@ class Reach:
         return glob.glob(pattern)
 
     def package(self, name: str) -> str:
-        """Return the folder of a package, of which files may be read from then on; refused is one out of reach that has
-        no package.xml."""
+        """Return the folder of a package, readable from then on; refused is one out of reach that has no
+        package.xml."""
         found = self._search.share(name) if self._trusted or _PACKAGE.fullmatch(name) else None
         if found is None:
             raise LookupError(f"the package {shown(name)} is not found")
@@ -367,8 +367,8 @@ def _sentence(error: BaseException) -> str:
 
 
 def _watch(event: str, arguments: tuple[Any, ...]) -> None:
-    """Raise where Python is about to do what no expansion does: start a process, reach the network, write a file, run
-    code that is no module's."""
+    """Raise where Python is about to start a process, reach the network, write a file, or run code that is no
+    module's."""
     wrong = event.startswith(_NEVER) and event not in ("os.listdir", "os.scandir")
     if event == "open":
         _, mode, flags = arguments

@@ -111,24 +111,12 @@ def binary(kind: type[ast.operator], left: Any, right: Any) -> Any:
                 most = MOST_TEXT if isinstance(repeated, (str, bytes)) else MOST_ITEMS
                 sized(len(repeated) * max(times, 0), most, "a repetition of {} items")
     elif kind is ast.Mod and isinstance(left, str):
-        check_percent(left, right)
+        if re.search(r"%\([^)]*\(", left):
+            raise RefusedError("a format with brackets in a key")
+        for found in re.finditer(r"%(?:\([^)]*\))?([^a-zA-Z%]*)", left):
+            check_width(found[1])
+        sized(left.count("%") * measured(right), 100 * MOST_TEXT, "a text of {} characters")
     return checked(BINARY[kind](left, right))
-
-
-def check_percent(text: str, values: Any) -> None:
-    if re.search(r"%\([^)]*\(", text):
-        raise RefusedError("a format with brackets in a key")
-    for found in re.finditer(r"%(?:\([^)]*\))?([^a-zA-Z%]*)", text):
-        check_width(found[1])
-    sized(text.count("%") * measured(values), 100 * MOST_TEXT, "a text of {} characters")
-
-
-def check_fields(text: str, values: list[Any]) -> None:
-    for _, field, specification, _ in Formatter().parse(text):
-        if set(field or "") & set(".[") or "{" in (specification or ""):
-            raise RefusedError("a format with a dot, a bracket or a format in a field")
-        check_width(specification or "")
-    sized(text.count("{") * measured(values), 100 * MOST_TEXT, "a text of {} characters")
 
 
 def check_width(specification: str) -> None:
@@ -144,7 +132,11 @@ def check_growth(text: str, name: str, given: tuple[Any, ...], named: dict[str, 
         widths = [value for value in values if isinstance(value, int)]
         sized(max([0, *widths]), _WIDEST, "a text that is padded to {} characters")
     elif name == "format":
-        check_fields(text, values)
+        for _, field, specification, _ in Formatter().parse(text):
+            if set(field or "") & set(".[") or "{" in (specification or ""):
+                raise RefusedError("a format with a dot, a bracket or a format in a field")
+            check_width(specification or "")
+        sized(text.count("{") * measured(values), 100 * MOST_TEXT, "a text of {} characters")
     elif name == "replace" and len(given) > 1 and all(isinstance(each, str) for each in given[:2]):
         sized(len(text) + text.count(given[0]) * len(given[1]), MOST_TEXT, "a text of {} characters")
 
@@ -187,8 +179,6 @@ PLAIN: list[tuple[Any, Callable[..., Any]]] = [
     ),
 ]
 """What stands for each function or type that may be called: itself, or one that is bounded."""
-
-
 MOST_STEPS = 1_000_000
 """Operations of one expression."""
 MOST_SOURCE = 20_000
@@ -245,8 +235,8 @@ class Evaluator:
         self._steps = 0
 
     def evaluate(self, source: str, names: Mapping[str, Any]) -> Any:
-        """Return the value of an expression; RefusedError where it has what is not allowed, or something in it becomes
-        too large, and what Python raises of it: SyntaxError, NameError, TypeError and so on."""
+        """Return the value of an expression; RefusedError of what is not allowed or too large, and what Python raises
+        of it."""
         source = source.strip()
         if len(source) > MOST_SOURCE:
             raise RefusedError(f"an expression of more than {MOST_SOURCE} characters")
