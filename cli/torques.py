@@ -105,7 +105,15 @@ def command(
         others |= {"example": example, "jobs": jobs, "dask": dask}
         refuse_where(*((value, f"--{name} does not go with --measured") for name, value in others.items()))
         refuse_where((len(trajectories) > 1, "--measured compares one log"))
-        _measured(call, urdf, trajectories[0], cutoff)
+        from robodyn.identification.faults.compare import compare
+        from robodyn.report.measured import measured_json, measured_page, measured_sections
+
+        check_names()
+        expect(ROBOT, urdf)
+        expect(TABLE, trajectories[0])
+        model, scene = robot_in_scene(call, urdf)
+        found = compare(model, trajectories[0], scene, cutoff=cutoff, **call.reading)
+        answer(call, measured_sections(found), partial(measured_page, found), json=lambda: measured_json(found))
         return 0
     # Many are told by their number, by wildcards, or by results that go to a folder.
     wild = any(set("*?[") & set(name) and not os.path.lexists(name) for name in trajectories)
@@ -134,18 +142,6 @@ def command(
 
         return run_batch(call, urdf, trajectories, loads, jobs, dask)
     return _single(call, urdf, trajectories[0], loads, example)
-
-
-def _measured(call: Call, urdf: str, log: str, cutoff: float | None) -> None:
-    from robodyn.identification.faults.compare import compare
-    from robodyn.report.measured import measured_json, measured_page, measured_sections
-
-    check_names()
-    expect(ROBOT, urdf)
-    expect(TABLE, log)
-    model, scene = robot_in_scene(call, urdf)
-    found = compare(model, log, scene, cutoff=cutoff, **call.reading)
-    answer(call, measured_sections(found), partial(measured_page, found), json=lambda: measured_json(found))
 
 
 def _single(call: Call, urdf: str, trajectory: str, loads: dict[str, Any], example: bool) -> int:

@@ -8,7 +8,6 @@ from typing import Any
 
 from robodyn.checks.rule import Excerpt, Finding, Severity
 from robodyn.comparison.compare import Comparison
-from robodyn.comparison.differences import Difference
 from robodyn.comparison.torques import PARTS, RELATIVE, TorqueDifference
 from robodyn.report import document as doc
 from robodyn.report.table import number
@@ -20,33 +19,27 @@ def comparison_sections(found: Comparison) -> Iterator[doc.Section]:
     """Yield both robots, the differences with those that move torques most first, the torques, and the verdict."""
     a, b = found.a, found.b
     yield doc.paragraphs([f"A: {shown_path(a.file)}", f"B: {shown_path(b.file)}"])
-    rows = [(one.kind, one.name, *one.says, one.cause) for one in found.differences]
-    if rows:
-        yield [doc.Table("Differences", ("what", "where", "A", "B", "why"), rows)]
+    differences = [(one.kind, one.name, *one.says, one.cause) for one in found.differences]
+    if differences:
+        yield [doc.Table("Differences", ("what", "where", "A", "B", "why"), differences)]
     beyond = [one for one in found.torques if one.exceeds(found.tolerance)]
     if beyond:
-        yield [_torques(found, beyond)]
+        rows = []
+        for one in beyond:
+            share = "-" if one.limit is None else f"{100.0 * one.worst / one.limit:.3g} %"
+            guilty = "-" if one.difference is None else f"{one.difference.kind} of {one.difference.name or 'the scene'}"
+            parts = (number(one.parts[part], one.worst) for part in PARTS)
+            rows.append((one.joint, number(one.worst, one.largest), *parts, share, guilty))
+        unit = "N m" if all(one.unit == "N m" for one in beyond) else "N m, N"
+        head = ("joint", f"worst [{unit}]", "by gravity", "by inertia", "by speed", "of its limit", "explained by")
+        yield [doc.Table("Differences of torque, the largest over motions within the limits", head, rows)]
     if found.worst is not None and found.worst in beyond:
-        yield doc.paragraphs([_where(found.worst)])
+        worst = found.worst
+        pose = ", ".join(f"{name} {value:.4g}" for name, value in worst.pose.items())
+        sides = f"{worst.a:.5g} {worst.unit} in A, {worst.b:.5g} {worst.unit} in B"
+        yield doc.paragraphs([f"{worst.joint} differs most: {sides} at {pose}"])
     yield doc.remarks("note", found.notes)
     yield doc.paragraphs([verdict(found).headline + ".", *verdict(found).reasons])
-
-
-def _torques(found: Comparison, beyond: list[TorqueDifference]) -> doc.Table:
-    rows = []
-    for one in beyond:
-        share = "-" if one.limit is None else f"{100.0 * one.worst / one.limit:.3g} %"
-        guilty = "-" if one.difference is None else f"{one.difference.kind} of {one.difference.name or 'the scene'}"
-        parts = [number(one.parts[part], one.worst) for part in PARTS]
-        rows.append((one.joint, number(one.worst, one.largest), *parts, share, guilty))
-    unit = "N m" if all(one.unit == "N m" for one in beyond) else "N m, N"
-    head = ("joint", f"worst [{unit}]", "by gravity", "by inertia", "by speed", "of its limit", "explained by")
-    return doc.Table("Differences of torque, the largest over motions within the limits", head, rows)
-
-
-def _where(one: TorqueDifference) -> str:
-    pose = ", ".join(f"{name} {value:.4g}" for name, value in one.pose.items())
-    return f"{one.joint} differs most: {one.a:.5g} {one.unit} in A, {one.b:.5g} {one.unit} in B at {pose}"
 
 
 def verdict(found: Comparison) -> doc.Verdict:
@@ -60,9 +53,8 @@ def verdict(found: Comparison) -> doc.Verdict:
         return doc.Verdict("doubtful", f"The same torques within {within}, and {what}")
     guilty = worst.difference
     reasons = () if guilty is None else (f"{100.0 * worst.explains:.3g} % of it: {guilty.words}",)
-    return doc.Verdict(
-        "bad", f"Not the same dynamics: {worst.joint} differs by {worst.worst:.4g} {worst.unit}", reasons
-    )
+    headline = f"Not the same dynamics: {worst.joint} differs by {worst.worst:.4g} {worst.unit}"
+    return doc.Verdict("bad", headline, reasons)
 
 
 def comparison_page(found: Comparison) -> doc.Document:
@@ -74,43 +66,25 @@ def comparison_page(found: Comparison) -> doc.Document:
 
 def comparison_json(found: Comparison) -> str:
     """Return the document of `diff`; docs/reference/schemas has its keys; units are SI."""
-    worst = found.worst
-    keys: dict[str, Any] = {
-        "a": found.a.file,
-        "b": found.b.file,
-        "equal": found.equal,
-        "tolerance": found.tolerance,
-        "torque": None if worst is None else _torque_json(worst),
-        "joints": [_torque_json(one) for one in found.torques],
-        "differences": [_difference_json(one) for one in found.differences],
-        "notes": list(found.notes),
-    }
-    return doc.written(keys)
+    return doc.written(
+        doc.select(
+            found,
+            "a:a.file b:b.file equal tolerance torque joints differences notes",
+            torque=found.worst and _torque_json(found.worst),
+            joints=[_torque_json(one) for one in found.torques],
+            differences=[
+                doc.select(one, "kind subject name a b size cause", **dict(zip("ab", one.says, strict=True)))
+                for one in found.differences
+            ],
+        )
+    )
 
 
 def _torque_json(one: TorqueDifference) -> dict[str, Any]:
-    link = one.difference
-    return {
-        "joint": one.joint,
-        "worst": one.worst,
-        "share": None if one.limit is None else one.worst / one.limit,
-        **{part: one.parts[part] for part in PARTS},
-        "largest": one.largest,
-        "a": one.a,
-        "b": one.b,
-        "pose": dict(one.pose),
-        "speed": dict(one.speed),
-        "acceleration": dict(one.acceleration),
-        "link": None if link is None else link.name,
-        "kind": None if link is None else link.kind,
-        "cause": None if link is None else link.cause,
-        "explains": one.explains,
-    }
-
-
-def _difference_json(one: Difference) -> dict[str, Any]:
-    says = dict(zip("ab", one.says, strict=True))
-    return {"kind": one.kind, "subject": one.subject, "name": one.name, **says, "size": one.size, "cause": one.cause}
+    keys = f"joint worst share {' '.join(PARTS)} largest a b pose speed acceleration "
+    keys += "link:difference.name kind:difference.kind cause:difference.cause explains"
+    share = None if one.limit is None else one.worst / one.limit
+    return doc.select(one, keys, share=share, **{part: one.parts[part] for part in PARTS})
 
 
 def findings(found: Comparison) -> tuple[Finding, ...]:

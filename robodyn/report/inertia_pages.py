@@ -12,14 +12,7 @@ import numpy as np
 from robodyn.errors import MeshError
 from robodyn.programs.vectors import Array, product
 from robodyn.report import document as doc
-from robodyn.report.inertia import (
-    combination_sections,
-    comparison_sections,
-    inertia_sections,
-    link_sections,
-    link_shapes_sections,
-    robot_sections,
-)
+from robodyn.report import inertia as words
 from robodyn.report.table import printable
 from robodyn.solids.inertia.properties import MassProperties, View
 from robodyn.solids.inertia.validity import Box, Validity, validity
@@ -171,7 +164,7 @@ def parts_page(outcomes: Sequence[Part | MeshError], view: View, shapes: Sequenc
         blocks += _solid(PurePath(part.name).name, part.body, triangles, f"mesh {k}")
     title = PurePath(parts[0].name).name if len(outcomes) == 1 else "Meshes"
     what = f"Mass properties: {', '.join(part.name for part in parts)}"
-    return _page(title, what, blocks, inertia_sections(parts, view), inertia_json(outcomes, view))
+    return _page(title, what, blocks, words.inertia_sections(parts, view), inertia_json(outcomes, view))
 
 
 def combination_page(found: Combination, view: View, shapes: Sequence[Array | None]) -> doc.Document:
@@ -184,7 +177,7 @@ def combination_page(found: Combination, view: View, shapes: Sequence[Array | No
     names = ", ".join(part.name for part in found.parts)
     doubts = [*(f"{part.name}: {text}" for part in found.parts for text in part.warnings), *found.warnings]
     figures = _solid("The whole", found.body, np.concatenate(placed) if placed else None, "whole")
-    first, sections = [_possible(found.body, doubts), *figures], combination_sections(found, view)
+    first, sections = [_possible(found.body, doubts), *figures], words.combination_sections(found, view)
     return _page("Meshes as one rigid body", names, first, sections, combination_json(found, view))
 
 
@@ -202,7 +195,7 @@ def robot_page(
         q = configuration(model, found.at)
         first.append(doc.Gallery((robot_figure(model, q, "", "this configuration", shapes, "robot"),)))
     what = f"Mass properties of the whole robot, {found.massive} of {found.count} links with mass"
-    return _page(found.name, what, first, robot_sections(found, view, checked), robot_json(found, view, checked))
+    return _page(found.name, what, first, words.robot_sections(found, view, checked), robot_json(found, view, checked))
 
 
 def link_page(
@@ -210,7 +203,7 @@ def link_page(
 ) -> doc.Document:
     """Return a link as declared."""
     first = [_possible(found.body, (), checked), *_link(description, found, pictures)]
-    sections = link_sections(description.file, found, view, checked)
+    sections = words.link_sections(description.file, found, view, checked)
     title, what = f"{description.name}: {found.name}", f"Link {found.name} as declared"
     return _page(title, what, first, sections, link_json(description.name, found, view, checked))
 
@@ -218,7 +211,7 @@ def link_page(
 def link_shapes_page(found: LinkShapes, description: Description, view: View, pictures: bool) -> doc.Document:
     """Return a link made of its shapes."""
     first = [_possible(found.body, found.shapes.remarks), *_link(description, found, pictures)]
-    sections = link_shapes_sections(description.file, found, view)
+    sections = words.link_shapes_sections(description.file, found, view)
     title, what = f"{description.name}: {found.name}", f"Link {found.name} from its {found.kind} shapes, {found.weight}"
     return _page(title, what, first, sections, link_shapes_json(description.name, found, view))
 
@@ -230,8 +223,8 @@ def differences_page(found: Comparison) -> doc.Document:
     level: doc.Level = "doubtful" if far else "good" if differences else "neutral"
     headline = f"{far} of {len(differences)} links differ from their shapes by more than 10 %"
     verdict = doc.Verdict(level, headline, (f"{rest} more links cannot be compared.",) if rest else ())
-    what = "Declared inertias against shapes"
-    return _page(found.name, what, [verdict], comparison_sections(found), comparison_json(found), "comparison.json")
+    what, sections = "Declared inertias against shapes", words.comparison_sections(found)
+    return _page(found.name, what, [verdict], sections, comparison_json(found), "comparison.json")
 
 
 def _page(

@@ -35,7 +35,15 @@ def fault_words(found: Comparison, fault: Fault) -> str:
         shares = ((printable(found.joints[j].name), fault.shares[j]) for j in order)
         told = ", ".join(f"{percent(share)} at {name}" for name, share in shares if share >= 0.01)
         of = f"of residuals: {told}" if told else "less than 1 % of any residual"
-        return f"{_payload(found, fault, value, error)} {sure} {of}{doubt}"
+        load = f"A load at {printable(found.load_link)} whose mass cannot be told"
+        if 0.0 < 3.0 * error < abs(value):
+            centre = fault.values[1:4] / value
+            rate = np.column_stack((-centre / value, np.eye(3) / value))
+            errors = np.sqrt(einsum("ia,ab,ib->i", rate, fault.covariance[:4, :4], rate))
+            each = zip(centre, errors, np.diag(fault.covariance)[1:4] > 0.0, strict=True)
+            where = ", ".join(bar(float(x), float(e)) if there else "?" for x, e, there in each)
+            load = f"A payload of {bar(value, error)} kg at {printable(found.load_link)}, its centre at ({where}) m,"
+        return f"{load} {sure} {of}{doubt}"
     joint = found.joints[j]
     unit, per, inertia = ("N m", "rad", "kg m^2") if joint.unit == "N m" else ("N", "m", "kg")
     if kind == "gain":
@@ -60,19 +68,6 @@ def bar(value: float, error: float, scale: float = 1.0) -> str:
         return f"{value:.2g} +- {error:.1e}"
     digits = min(max(0, 1 - int(np.floor(np.log10(max(error, 1e-9))))), 4)
     return f"{value:.{digits}f} +- " + (f"{error:.{digits}f}" if error >= 10.0**-digits else f"{error:.0e}")
-
-
-def _payload(found: Comparison, fault: Fault, m: float, error: float) -> str:
-    if not 0.0 < 3.0 * error < abs(m):
-        return f"A load at {printable(found.load_link)} whose mass cannot be told"
-    centre = fault.values[1:4] / m
-    rate = np.column_stack((-centre / m, np.eye(3) / m))
-    errors = np.sqrt(einsum("ia,ab,ib->i", rate, fault.covariance[:4, :4], rate))
-    told = np.diag(fault.covariance)[1:4] > 0.0
-    where = ", ".join(
-        bar(float(x), float(e)) if there else "?" for x, e, there in zip(centre, errors, told, strict=True)
-    )
-    return f"A payload of {bar(m, error)} kg at {printable(found.load_link)}, its centre at ({where}) m,"
 
 
 def measured_sections(found: Comparison) -> Iterator[doc.Section]:

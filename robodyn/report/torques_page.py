@@ -19,20 +19,8 @@ from robodyn.loads.statistics import joint_of_rates
 from robodyn.report import document as doc
 from robodyn.report.equations import action_table
 from robodyn.report.limits import effort_use, offenders, torques_verdict, worst_joint
-from robodyn.report.pictures.figures import (
-    BAD,
-    GRID,
-    INK,
-    SERIES,
-    SOFT,
-    WIDE,
-    dots,
-    lines_figure,
-    panel,
-    plot,
-    quiet_line,
-    zero_lines,
-)
+from robodyn.report.pictures import figures as plots
+from robodyn.report.pictures.figures import BAD, GRID, INK, SERIES, SOFT, WIDE
 from robodyn.report.sizes import Sizes, free_body_sizes, result_sizes, speed_unit
 from robodyn.report.table import gravity_text, is_noise, moment, number, printable
 from robodyn.report.torques import load_table, torques_json, torques_sections
@@ -164,9 +152,9 @@ def joint_figure(joint: JointLoad, curves: Curves, column: int, size: Sizes) -> 
     }
 
     def draw(canvas: Canvas) -> None:
-        *over_time, plane = (panel(canvas, *place) for place in _PANELS)
+        *over_time, plane = (plots.panel(canvas, *place) for place in _PANELS)
         for k, (axes, (quantity, (title, scale, limit))) in enumerate(zip(over_time, quantities.items(), strict=True)):
-            time, values = quiet_line(curves, quantity, column, scale)
+            time, values = plots.quiet_line(curves, quantity, column, scale)
             axes.plot(time, values, color=SERIES[k], marker="o" if len(time) == 1 else None)
             axes.axhline(0.0, color=SOFT, linewidth=0.8, zorder=1)
             axes.set_title(title)
@@ -190,9 +178,9 @@ def joint_figure(joint: JointLoad, curves: Curves, column: int, size: Sizes) -> 
                 for bound in (-limit, limit):
                     line(bound, **_LIMIT)
         for where, colour in ((~over, SERIES[0]), (over, BAD)):
-            dots(plane, speeds[where], torques[where], colour)
+            plots.dots(plane, speeds[where], torques[where], colour)
         plane.margins(0.08)
-        zero_lines(plane)
+        plots.zero_lines(plane)
         plane.set_title(f"{what} [{load}] against speed [{speed}]")
 
     peak, fastest = number(joint.peak, size[load]), number(joint.max_speed, size[speed])
@@ -200,30 +188,30 @@ def joint_figure(joint: JointLoad, curves: Curves, column: int, size: Sizes) -> 
         f"Joint {printable(joint.name)}: {what}, speed and power against time, and {what} against speed. Peak {what} "
         f"{peak} {load} at {moment(joint.peak_time, joint.peak, size[load])} s, largest speed {fastest} {speed}"
     )
-    return doc.Figure(printable(joint.name), alt, plot(WIDE, 660, draw, f"joint {column}"))
+    return doc.Figure(printable(joint.name), alt, plots.plot(WIDE, 660, draw, f"joint {column}"))
 
 
 def base_figures(loads: Sequence[ComponentLoad], history: History, size: Sizes) -> Iterator[doc.Figure]:
     """Yield forces and moments of the ground on the robot against time; none that are zero throughout."""
     for title, unit, first in (("forces", "N", 0), ("moments", "N m", 3)):
         names = history.base.names[first : first + 3]
-        lines = {name: quiet_line(history.base, "load", first + k, size[unit]) for k, name in enumerate(names)}
+        lines = {name: plots.quiet_line(history.base, "load", first + k, size[unit]) for k, name in enumerate(names)}
         if any(values.any() for _, values in lines.values()):
             peaks = [f"{part.name} {number(part.peak, size[unit])} {unit}" for part in loads if part.name in names]
             alt = f"Base {title} against time; peaks: {', '.join(peaks)}"
-            yield lines_figure(f"Base {title}: ground on robot", alt, lines, unit)
+            yield plots.lines_figure(f"Base {title}: ground on robot", alt, lines, unit)
 
 
 def energy_figures(balance: EnergyBalance, history: History, size: Sizes) -> Iterator[doc.Figure]:
     """Yield work done on the robot, less losses, and the energy stored, unless both are zero throughout."""
     curves = history.energy
-    lines = {name: quiet_line(curves, "energy", k, size["J"]) for k, name in enumerate(curves.names)}
+    lines = {name: plots.quiet_line(curves, "energy", k, size["J"]) for k, name in enumerate(curves.names)}
     if any(values.any() for _, values in lines.values()):
         fit = "agree" if balance.consistent else "disagree"
         worst = number(balance.worst, size["J"])
         alt = f"Work done less losses and energy stored against time; they {fit}, at worst by {worst} J"
         looks = {"linewidth": 3.0}, {"dashes": (3, 3), "linewidth": 1.6}
-        yield lines_figure("Energy check: work less losses, and energy stored", alt, lines, "J", looks)
+        yield plots.lines_figure("Energy check: work less losses, and energy stored", alt, lines, "J", looks)
 
 
 def share_figures(joints: Sequence[JointLoad]) -> Iterator[doc.Figure]:
@@ -256,7 +244,7 @@ def share_figures(joints: Sequence[JointLoad]) -> Iterator[doc.Figure]:
 
         caption = "What makes the peaks" + (f", {k} of {many}" if many > 1 else "")
         alt = f"Bars of what each effect adds to the peaks of {', '.join(printable(joint.name) for joint in some)}"
-        yield doc.Figure(caption, alt, plot(WIDE, height, draw, caption))
+        yield doc.Figure(caption, alt, plots.plot(WIDE, height, draw, caption))
 
 
 def contact_figures(contacts: Sequence[ContactLoad], curves: Curves, size: Sizes) -> Iterator[doc.Figure]:
@@ -266,7 +254,7 @@ def contact_figures(contacts: Sequence[ContactLoad], curves: Curves, size: Sizes
         samples = curves.samples(k)
 
         def draw(canvas: Canvas, samples: dict[str, Floats] = samples) -> None:
-            axes, time, on = panel(canvas, 46, 114), samples["time"], (samples["on"] > 0.0).tolist()
+            axes, time, on = plots.panel(canvas, 46, 114), samples["time"], (samples["on"] > 0.0).tolist()
             across = axes.get_xaxis_transform()
             axes.fill_between(time, 0.0, 1.0, where=on, transform=across, color=GRID, linewidth=0.0, zorder=0)
             axes.plot(time, samples["normal"], color=SERIES[0], marker="o" if len(time) == 1 else None)
@@ -276,7 +264,7 @@ def contact_figures(contacts: Sequence[ContactLoad], curves: Curves, size: Sizes
             name, most = printable(contact.name), number(contact.normal.value, size["N"])
             words = f"force along the normal against time, up to {most} N, on {100 * contact.on:.0f} % of it"
             caption = f"{name}: force along the normal; shaded where it is on"
-            yield doc.Figure(caption, f"Contact {name}: {words}", plot(WIDE, 190, draw, caption))
+            yield doc.Figure(caption, f"Contact {name}: {words}", plots.plot(WIDE, 190, draw, caption))
 
 
 def motor_figures(sizing: Sizing, model: Model, scene: Scene, curves: Curves) -> Iterator[tuple[str, doc.Figure]]:
@@ -302,13 +290,13 @@ def motor_figures(sizing: Sizing, model: Model, scene: Scene, curves: Curves) ->
         def draw(
             canvas: Canvas, speed: Floats = speed, torque: Floats = torque, lines: Any = lines, motor: Any = motor
         ) -> None:
-            axes = panel(canvas, 32, 237)
+            axes = plots.panel(canvas, 32, 237)
             for speeds, torques, look, label in lines:
                 for across, up in product((1.0, -1.0), repeat=2):
                     axes.plot(across * speeds, up * torques, label=label if across == up == 1.0 else None, **look)
-            dots(axes, speed, torque, SERIES[0])
+            plots.dots(axes, speed, torque, SERIES[0])
             axes.margins(0.06)
-            zero_lines(axes)
+            plots.zero_lines(axes)
             axes.set_title(f"torque [{motor.unit}] against speed [{motor.speed_unit}]", y=1.1)
             if lines:
                 axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, columnspacing=1.0)
@@ -319,4 +307,4 @@ def motor_figures(sizing: Sizing, model: Model, scene: Scene, curves: Curves) ->
             f"{number(motor.max_speed)} {motor.speed_unit}, RMS torque {number(motor.rms)} {motor.unit}, against its "
             "curves"
         )
-        yield sized.name, doc.Figure(f"Motor of {name}", alt, plot(WIDE, 320, draw, f"motor {k}"))
+        yield sized.name, doc.Figure(f"Motor of {name}", alt, plots.plot(WIDE, 320, draw, f"motor {k}"))

@@ -74,15 +74,11 @@ def plot(width: int, height: int, draw: Callable[[Canvas], None], name: str) -> 
         stream = io.StringIO()
         canvas: Any = FigureCanvasSVG(figure)
         canvas.print_svg(stream, metadata=dict.fromkeys(("Date", "Creator", "Format", "Type")))
-    return _themed(stream.getvalue())
-
-
-def _themed(svg: str) -> str:
-    """Return the element alone, in colours of the page, with coordinates to a tenth of a pixel."""
 
     def shorter(path: re.Match[str]) -> str:
         return re.sub(r"(?<=\d\.\d)\d+", "", path[0]).replace(".0 ", " ").replace("\n", "").replace(" L", "L")
 
+    svg = stream.getvalue()  # colours of the page, coordinates to a tenth of a pixel, no names of groups
     svg = svg[svg.index("<svg") :]
     for pattern, kept in (
         (r"(?s)<!--.*?-->\n?|<metadata>.*?</metadata>|<style.*?</style>", ""),
@@ -94,8 +90,8 @@ def _themed(svg: str) -> str:
         svg = re.sub(pattern, kept, svg)
     svg = re.sub(r'(<svg[^>]*?) width="[\d.]+pt" height="[\d.]+pt"', r"\1", svg, count=1)
     svg = re.sub(r'(?<= d=")[^"]*', shorter, svg)
-    for colour, name in _NAMES.items():
-        svg = svg.replace(colour, f"var(--{name})")
+    for colour, own in _NAMES.items():
+        svg = svg.replace(colour, f"var(--{own})")
     return svg.strip()
 
 

@@ -371,8 +371,8 @@ class _Reader:
                 self._check_prefix(element, name)
         if self._may_have_xacro and not self._in_extension():
             part = stack[1] if stack[1:] else None
-            name = None if part is None or part.tag not in OWN_TAGS else part.get("name")
-            owner = "" if part is None or not name else f"{part.tag} {shown(name)}: "
+            called = None if part is None or part.tag not in OWN_TAGS else part.get("name")
+            owner = "" if part is None or not called else f"{part.tag} {shown(called)}: "
             for attribute, value in element.values.items():
                 if unexpanded(value):
                     span = element.attributes[attribute].value_span
