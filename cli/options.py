@@ -42,11 +42,8 @@ class Call:
     """What commands are told in the same words; an option that a command does not have has its default.
 
     Attributes:
-        package_paths, xacro_args, trust_xacro: how a description is read.
-        scene_files, payloads, gravity, base_held: what surrounds the robot.
-        hold, columns, time_unit, angle_unit, derivatives, encoder_error, topic, ignore_extra: how a table is read.
-        at, qd: positions and velocities, in order or by name.
-        executor, threads, accuracy: how it is computed; accuracy is a relative error.
+        package_paths, xacro_args, trust_xacro: how a description is read; those from hold to ignore_extra: a table.
+        at, qd: positions and velocities, in order or by name; accuracy: a relative error.
         out: the file of the result; report: of the report; form: of what is printed.
         fail_on_limits: whether an exceeded limit makes the exit status 1.
     """

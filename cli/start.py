@@ -11,19 +11,14 @@ from typing import TYPE_CHECKING, NoReturn
 if TYPE_CHECKING:
     from types import FrameType
 
-ALLOCATIONS = 100_000
-"""Objects between two searches for cycles: imports make about as many, none of them garbage."""
 _seen: list[int] = []
 """Interrupts: an import that one broke off may end with another error."""
 
 
 def start() -> NoReturn:
-    """Run the command line and end the process with its exit status.
-
-    Searching for garbage while modules are imported, and taking all of them apart at the end, would take a third of the
-    time of a small job. Matrices are small: threads of BLAS would wait for each other longer than they compute.
-    """
-    gc.set_threshold(ALLOCATIONS, 20, 20)
+    """Run the command line and end the process with its exit status. Searching for garbage in imports, and taking all
+    apart at the end, would take a third of a small job; BLAS's threads would wait for each other."""
+    gc.set_threshold(100_000, 20, 20)  # imports make about as many objects, none of them garbage
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     os.environ["PYTHONSAFEPATH"] = "1"  # for processes that libraries start
     # `python -m` and an empty entry of PYTHONPATH put the current folder there; robodyn itself is found already.

@@ -123,8 +123,7 @@ class Setup:
     """Robot, scene and options.
 
     Attributes:
-        robot: as it was read; scenes: the files' bytes.
-        gravity: m/s^2, in place of the scene's; payloads: beside the scene's; base_held: something carries the base.
+        robot: as it was read; scenes: the files' bytes; gravity [m/s^2] is in place of the scene's, payloads beside.
         reading: as for `read_motion`; options: as for `torques`, with the threads of each process.
         version: of robodyn and its code, which all machines must have.
     """

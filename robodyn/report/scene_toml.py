@@ -17,10 +17,8 @@ valid by itself. Numbers stand for what the description says, or for what only y
 
 
 def scene_toml(model: Model) -> str:
-    """Return a scene with a robot's joints and links, what its description says of them, and each key explained.
-
-    As written it makes no difference. Lines with `#` and no blank behind it are examples, each valid alone.
-    """
+    """Return a scene with a robot's joints and links, what its description says of them, and each key explained; as
+    written it makes no difference. Lines with `#` and no blank behind it are examples, each valid alone."""
     blocks, rows = [_comment(_HEAD.format(name=toml_key(model.name)))], []
     for joint in (body.joint for body in model.bodies if body.joint.kind != "fixed"):
         turn, load = ("m", "N") if joint.kind == "prismatic" else ("rad", "N m")

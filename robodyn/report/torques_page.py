@@ -134,8 +134,6 @@ def _heaviest_load(result: Result, model: Model, scene: Scene, history: History)
     yield from doc.paragraphs([why] if why else [])
 
 
-_PANELS = ((542, 96), (412, 96), (282, 96), (28, 182))
-"""Bottoms and heights of torque, speed and power against time, and of torque against speed [px]."""
 _NEAR = 0.5
 """A limit is drawn where at least this share of it is reached; it would flatten the curve otherwise."""
 _LIMIT: dict[str, Any] = {"color": BAD, "linewidth": 1.2, "dashes": (5, 3)}
@@ -152,7 +150,8 @@ def joint_figure(joint: JointLoad, curves: Curves, column: int, size: Sizes) -> 
     }
 
     def draw(canvas: Canvas) -> None:
-        *over_time, plane = (plots.panel(canvas, *place) for place in _PANELS)
+        bottoms_and_heights = ((542, 96), (412, 96), (282, 96), (28, 182))  # px
+        *over_time, plane = (plots.panel(canvas, *place) for place in bottoms_and_heights)
         for k, (axes, (quantity, (title, scale, limit))) in enumerate(zip(over_time, quantities.items(), strict=True)):
             time, values = plots.quiet_line(curves, quantity, column, scale)
             axes.plot(time, values, color=SERIES[k], marker="o" if len(time) == 1 else None)

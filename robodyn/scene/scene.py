@@ -93,12 +93,8 @@ class Rotor(FrozenValue):
 
 @dataclass(frozen=True)
 class CoupledMotor(FrozenValue):
-    """A motor that turns with a sum of joints: its joint-side speed is `s = sum coefficient qd`.
-
-    Attributes:
-        joints: coefficients by joint.
-        inertia: of its rotor, about its own axis [kg m^2], which turns `gear` times per unit of s.
-    """
+    """A motor that turns with a sum of joints: its joint-side speed is `s = sum coefficient qd`; `inertia` is of its
+    rotor, about its own axis [kg m^2], which turns `gear` times per unit of s."""
 
     name: str
     joints: Mapping[str, float]
@@ -315,16 +311,12 @@ class Scene(FrozenValue):
         between_rows: torques and wrenches of a simulation's table are "linear" between its rows, or "hold" the last.
         joint_limits: "stop" ends a simulation where a joint reaches a limit; "ignore" does not look; "spring" is
             `limit_spring` at every limit.
-        loops: closures.
         baumgarte: 0: positions and speeds are projected onto the loops after each step; else the rate [1/s] at which
             Baumgarte's terms let errors of the loops decay.
         actuated: joints that drive; None: all but those of `passive`, or of closed chains those of `drive`.
-        passive: joints that nothing drives.
         share: how redundant actuators share: "least" of the sum of their squares, or "weighted" by `weights`.
         weights: by joint, of tau^2 in that sum, a number or EFFORT; `weight` of the others.
-        contacts: where links may stand on something.
         contact_cost: which of the contact forces that balance are taken.
-        coupled: motors that turn with several joints.
         uncertainty: how well the robot's parameters are known; None: no question is asked.
     """
 

@@ -14,8 +14,6 @@ from typing import NamedTuple
 from robodyn.support.input_file import open_input
 
 MARK = b"robodyn object 1\n"
-LARGEST_FOLDER = 256 << 20
-"""Bytes kept; the files used longest ago go first."""
 FORGOTTEN = 3600.0
 """Seconds after which a file that was never finished is removed."""
 NAME = re.compile(r"[0-9a-f]{32}-[0-9a-f]{32}(\.\w+\.part)?")
@@ -53,16 +51,13 @@ class Key(NamedTuple):
 
 
 class ObjectCache:
-    """Bytes by key, in one file each: a mark, the digest of key and content, and the content, which is run.
+    """Bytes by key, in one file each (mark, digest of key and content, and the content, which is run), up to `largest`.
 
     Files are written whole or not at all, and ignored unless intact; so are files and folders that others own or may
-    write to, or under Windows outside the user's own folder. No failure is an error.
-
-    Args:
-        folder: made when it is needed; None keeps nothing. largest: bytes kept.
+    write to, or under Windows outside the user's own folder. No failure is an error, no folder keeps nothing.
     """
 
-    def __init__(self, folder: Path | None, largest: int = LARGEST_FOLDER) -> None:
+    def __init__(self, folder: Path | None, largest: int = 256 << 20) -> None:
         self._folder = None if folder is None else folder / "objects"
         self._largest = largest
 

@@ -9,9 +9,6 @@ import subprocess
 import sys
 from collections.abc import Mapping
 
-PLAIN_PATH = {"PYTHONSAFEPATH": "1"}
-"""By which processes that libraries start do not look in the current folder either, from Python 3.11 on."""
-
 _NEEDED = ("LD_LIBRARY_PATH", "DYLD_LIBRARY_PATH", "DYLD_FALLBACK_LIBRARY_PATH", "SYSTEMROOT", "PYTHONHOME")
 """Variables without which the interpreter or the system's libraries may not be found."""
 
@@ -64,7 +61,7 @@ def start_python(
         stdout=subprocess.PIPE,
         stderr=stderr,
         cwd=folder,
-        env={**variables, **PLAIN_PATH},
+        env={**variables, "PYTHONSAFEPATH": "1"},  # for what libraries start, from Python 3.11 on
     )
 
 

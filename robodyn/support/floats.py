@@ -16,7 +16,6 @@ LARGEST = 1e30
 """In SI units no part of a robot has a larger number; the tenth power of this one can still be held."""
 SMALLEST = 1e-60
 """What is less is what rounding left of zero, as in files that CAD systems write, and counts as zero."""
-_SPLIT = 2.0**23 + 1.0
 BEYOND = 1.0 + 1e-9
 """Times this, a limit is exceeded by what is larger, and not by what a motion up to the limit is off by rounding."""
 HALF_UP = 1.0 + 1e-12
@@ -34,7 +33,7 @@ def steady(numbers: ArrayLike, noise: float = 0.0) -> Floats:
     `noise`."""
     given = np.asarray(numbers, dtype=float)
     with np.errstate(over="ignore", invalid="ignore"):
-        large = given * _SPLIT
+        large = given * (2.0**23 + 1.0)
         found: Floats = large - (large - given)
     if noise:
         found = np.where(np.abs(given) <= noise, 0.0, found)

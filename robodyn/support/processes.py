@@ -19,10 +19,6 @@ from robodyn.support.children import start_python
 
 ATTEMPTS = 2
 """Processes that may die of one call before it is given up."""
-_PATIENCE = 5.0
-"""Seconds that a process has to clear up before it is killed."""
-_HEARTBEAT = 1.0
-"""Seconds for which an interruption may wait, where waiting for an answer cannot be interrupted (Windows)."""
 _ENDED = object()
 """What comes in place of an answer when a process has ended."""
 R = TypeVar("R")
@@ -73,7 +69,7 @@ class _Worker(Generic[R]):
         assert self.process.stdin is not None
         assert self.process.stdout is not None
         try:
-            self.process.wait(_PATIENCE)
+            self.process.wait(5.0)  # to clear up
         except subprocess.TimeoutExpired:
             self.process.kill()
         status = self.process.wait()
@@ -135,7 +131,7 @@ def in_processes(
         while waiting or workers:
             begin()
             try:
-                worker, found = answers.get(timeout=_HEARTBEAT)
+                worker, found = answers.get(timeout=1.0)  # Windows cannot interrupt it
             except Empty:
                 continue
             if worker not in workers:

@@ -12,8 +12,6 @@ from typing import Any, TypeVar
 
 from robodyn.errors import InputError
 
-MOST_OF_WINDOWS = 61
-"""Processes that one process can wait for under Windows."""
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 _END = object()
@@ -33,7 +31,7 @@ def cores(asked: int | None = None) -> int:
 
 def processes(jobs: int, asked: int | None = None, platform: str = sys.platform) -> int:
     """Return how many processes do some jobs: those asked for, or one for each core, as far as the system can."""
-    most = MOST_OF_WINDOWS if platform == "win32" else jobs
+    most = 61 if platform == "win32" else jobs  # so many one process can wait for
     return min(asked or cores(), jobs, most)
 
 

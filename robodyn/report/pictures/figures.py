@@ -34,8 +34,6 @@ WIDE = 380
 """Width of a figure [px]."""
 _DOTS, _RASTER = 72, 2.0
 """Per inch, so that a point is a pixel of the page; dots of a raster for each pixel."""
-_CELLS = 300
-"""Points that share one of so many parts of the range, about a pixel, are drawn once."""
 Line = tuple[Floats, Floats]
 """Times and values."""
 
@@ -134,7 +132,7 @@ def lines_figure(
 
 def dots(axes: Axes, x: Floats, y: Floats, colour: str) -> None:
     """Draw points, those on the same pixel once, as one short path: markers would take ten times as much room."""
-    cells = [np.rint(_CELLS * each / (np.ptp(each) if len(each) and np.ptp(each) else 1.0)) for each in (x, y)]
+    cells = [np.rint(300 * each / (np.ptp(each) if len(each) and np.ptp(each) else 1.0)) for each in (x, y)]
     _, kept = np.unique(np.stack(cells), axis=1, return_index=True)
     across, up = (np.column_stack((each, each, np.full(len(kept), np.nan))).ravel() for each in (x[kept], y[kept]))
     axes.plot(across, up, color=colour, linewidth=3.0, solid_capstyle="round")

@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 
 PAPER = np.array(((-1, 1, 0), (-1, -1, 2), (1, 1, 1))) / np.sqrt(((2,), (6,), (3,)))
 """Ground axes to right, up, and towards the reader."""
-_SIZE = 460
 _DOTS = 720
 """Of a picture of solids along its longer side."""
 _LIGHT = np.array((0.25, 0.55, 0.8))
@@ -146,7 +145,7 @@ def mode_figure(model: Model, q: Floats, shape: Sequence[complex], caption: str,
     return Figure(printable(caption), alt, _picture(draw, name, 340))
 
 
-def _picture(draw: Callable[[Axes], None], name: str, size: int = _SIZE) -> str:
+def _picture(draw: Callable[[Axes], None], name: str, size: int = 460) -> str:
     def whole(canvas: Canvas) -> None:
         axes, corner = canvas.add_axes((0.0, 0.0, 1.0, 1.0)), canvas.add_axes((0.0, 0.0, 0.16, 0.16))
         axes.set_aspect("equal", adjustable="datalim")

@@ -49,9 +49,8 @@ class RobotInertia:
     """The robot as one rigid body, in the frame of the base, its joints locked.
 
     Attributes:
-        at: values of the coordinates [rad or m].
+        at: values of the coordinates [rad or m]; warnings: faults of links, and coordinates beyond their limits.
         links: those with an <inertial>, in the order of the file; massive, count: how many have mass, and of how many.
-        warnings: faults of links, and coordinates beyond their limits.
     """
 
     name: str

@@ -80,14 +80,8 @@ _SO_FAR = np.log(_RANGE / _FAR.size) - 3.0 * np.log(_FAR)
 
 @dataclass(frozen=True, eq=False)
 class Given:
-    """What a link says.
-
-    Attributes:
-        mass: kg.
-        c: (3,) centre of mass from the link's origin, in the axes of the inertial [m].
-        R: (3, 3) the inertial's axes in the link's.
-        entries: ixx, ixy, ixz, iyy, iyz, izz [kg m^2].
-    """
+    """What a link says: mass [kg]; c (3,), centre of mass from the link's origin, in the axes of the inertial [m]; R
+    (3, 3), these in the link's; entries ixx, ixy, ixz, iyy, iyz, izz [kg m^2]."""
 
     mass: float
     c: Floats
@@ -240,11 +234,8 @@ _BY = np.array([(1.0, 1.0, 1.0), *(units.factors for units in UNITS)])
 
 @dataclass(frozen=True, eq=False)
 class Uniform:
-    """What shapes are if they are of one density.
-
-    Attributes:
-        volume: m^3. c: (3,) its centre [m]. S: (3, 3) second moments about it, by the mass [m^2].
-    """
+    """What shapes are if they are of one density: their volume [m^3], its centre c (3,) [m], and S (3, 3), second
+    moments about it, by the mass [m^2]."""
 
     volume: float
     c: Floats
@@ -307,12 +298,8 @@ def _mixed(mixture: Mixture, *parts: tuple[Floats, int]) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class Cause:
-    """A mistake, and what was meant if that is the one.
-
-    Attributes:
-        mass, c, I: what was meant, in the axes of the inertial; [kg], (3,) [m], (3, 3) about c [kg m^2].
-        apart: |I - I_shapes| / |I_shapes| of what was meant, in Frobenius' norm.
-    """
+    """A mistake, and what was meant if it is that, in the axes of the inertial: mass [kg], c (3,) [m], I (3, 3) about c
+    [kg m^2], which is |I - I_shapes| / |I_shapes| `apart` from the shapes, in Frobenius' norm."""
 
     mistake: Mistake
     probability: float
@@ -328,13 +315,8 @@ class Cause:
 
 @dataclass(frozen=True, eq=False)
 class Posterior:
-    """The verdict of the shapes.
-
-    Attributes:
-        right: the probability that the declaration is right.
-        causes: the mistakes that it may be, the most probable first.
-        apart: |I - I_shapes| / |I_shapes| of the declaration.
-    """
+    """The verdict of the shapes: the probability that the declaration, which is |I - I_shapes| / |I_shapes| `apart`
+    from them, is `right`, and the mistakes that it may be, the most probable first."""
 
     right: float
     causes: tuple[Cause, ...]

@@ -34,8 +34,6 @@ Watch = Callable[[Sequence[Path]], AbstractContextManager[Callable[[], object]]]
 """What makes, for files that are going to be read, a function to call after each of them."""
 UNCERTAIN = 1e-12
 """Relative differences below this are none: rounding makes them."""
-_OTHER = 0.02
-"""Corrections that are nearer to each other are one."""
 
 
 class How(TypedDict, total=False):
@@ -125,12 +123,8 @@ def shapes_inertia(
 
 @dataclass(frozen=True, eq=False)
 class LinkShapes:
-    """A link made of its shapes, in its own frame.
-
-    Attributes:
-        weight: where its mass is from, in words.
-        shapes: the same at 1000 kg/m^3, with remarks.
-    """
+    """A link made of its shapes, in its own frame: the `shapes` at 1000 kg/m^3, with remarks, and the `body` of the
+    mass that `weight` says in words where it is from."""
 
     name: str
     line: int
@@ -305,6 +299,6 @@ def mistakes_in_words(inertial: Inertial, shapes: MassProperties) -> tuple[str, 
         either = one_of([one.what for one in found.either])
         return () if either is None else (either,)
     first = found.named[0]
-    others = [one.what for one in found.named[1:] if relative(one.I, first.I) > _OTHER]
+    others = [one.what for one in found.named[1:] if relative(one.I, first.I) > 0.02]  # nearer ones are one
     agrees = f"corrected, the inertia agrees within {max(100 * first.apart, 0.1):.1f} %"
     return (f"{' or '.join(dict.fromkeys((first.what, *others)))}: {agrees}",)

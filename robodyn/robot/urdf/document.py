@@ -145,8 +145,6 @@ MAX_DEPTH = 200
 OWN_TAGS = frozenset({"link", "joint", "material", "transmission"})
 """Elements of the robot whose content is URDF's; all others belong to other tools and are not read."""
 _RUN_XACRO = "name it FILE.xacro, and it is expanded first"
-_KEPT = 200
-"""Bytes kept of a token that is too long."""
 _DOCTYPE = b"<!DOCTYPE"
 _NAMESPACES = {"drake": "http://drake.mit.edu"}
 _BINARY = "this is a binary file, not XML", "give a URDF file"
@@ -240,7 +238,7 @@ def read(source: str | os.PathLike[str] | bytes, name: str | None = None, root: 
     if (long := long_token(data)) is not None:
         start, end, kind = long
         what = f"{kind} of {end - start} bytes; more than {LONGEST} from one tag to the next are not read"
-        seen = data[: min(start + _KEPT, end)]
+        seen = data[: min(start + 200, end)]
         at = SourcePositions(seen, "utf-8").span(start, len(seen))
         fault = TextFault("RD001", at, what, "shorten it; no robot needs as much")
         return Document(file, seen, "utf-8", (fault,), None)

@@ -17,8 +17,6 @@ from robodyn.support.wording import alternatives, shown
 
 PATIENCE = 20.0
 """Seconds that an expansion may take; the largest robots take a few."""
-_MOST_SOURCE = 1 << 24
-"""Bytes of a file that is looked at for what it defines."""
 _TRUST = "--trust-xacro lifts this, and lets the file do whatever Python can"
 _DEFINITIONS = frozenset(f"xacro:{name}" for name in ("macro", "property", "arg", "include"))
 
@@ -141,7 +139,7 @@ def only_defines(path: str) -> bool:
 
     parser.StartElementHandler, parser.EndElementHandler, parser.EntityDeclHandler = start, end, entity
     try:
-        parser.Parse(read_input(path, _MOST_SOURCE), True)
+        parser.Parse(read_input(path, most=1 << 24), True)
     except (OSError, ValueError, expat.ExpatError):  # whatever is wrong with it is said by xacro
         return False
     return "xacro:macro" in names and names <= _DEFINITIONS

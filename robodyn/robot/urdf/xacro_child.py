@@ -397,12 +397,8 @@ class _Arguments(dict[str, Any]):
 
 
 class Places:
-    """What stands in for xacro's parser: `parse`, and what it has noted, the files and their bytes.
-
-    Args:
-        read: returns the bytes of a file.
-        parse: xacro's own, for what is no file, and for what is said of one that cannot be read.
-    """
+    """What stands in for xacro's own parser, which it leaves what is no readable file: it notes files and their
+    bytes."""
 
     def __init__(self, read: Callable[[str], bytes], parse: Callable[..., Any]) -> None:
         self._read, self._parse = read, parse

@@ -161,13 +161,12 @@ def _total(items: Any, start: Any = 0) -> Any:
     return reduce(partial(binary, ast.Add), items, start)
 
 
-_ITERATORS = (enumerate, zip, reversed)
 _GROWING = ("factorial", "comb", "perm", "prod", "lcm")
 """Functions of whole numbers whose values are soon large."""
 PLAIN: list[tuple[Any, Callable[..., Any]]] = [
     *((each, each) for each in (list, dict, tuple, len, str, float, int, bool, repr, abs, all, any, isinstance, ord)),
     *((each, each) for each in (min, max, sorted)),
-    *((each, lambda *given, _each=each, **named: list(_each(*given, **named))) for each in _ITERATORS),
+    *((each, lambda *given, _each=each, **named: list(_each(*given, **named))) for each in (enumerate, zip, reversed)),
     (range, _counted),
     (round, _rounded),
     (sum, _total),
