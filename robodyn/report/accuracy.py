@@ -162,7 +162,6 @@ def accuracy_picture(accuracy: Accuracy, target: float | None, form: str) -> byt
 
 
 def ladder_figure(ladder: Ladder, target: float | None, words: str, name: str) -> doc.Figure:
-    """Return a ladder for a page."""
     from robodyn.report.pictures.figures import SERIES, plot
 
     def draw(canvas: Canvas) -> None:

@@ -58,7 +58,6 @@ def verdict(found: Comparison) -> doc.Verdict:
 
 
 def comparison_page(found: Comparison) -> doc.Document:
-    """Return the page: the verdict, and what stands behind it."""
     names = [each.name or shown_path(each.file) for each in (found.a, found.b)]
     blocks = [block for section in [*comparison_sections(found)][:-1] for block in section]
     return doc.Document(" and ".join(names), "comparison of two descriptions", (verdict(found), *blocks))

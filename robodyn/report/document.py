@@ -154,7 +154,6 @@ def remarks(kind: str, lines: Iterable[str]) -> Section:
 
 
 def paragraphs(lines: Iterable[str]) -> list[Block]:
-    """Return a paragraph for each line."""
     return [Paragraph(line) for line in lines]
 
 

@@ -97,7 +97,6 @@ def _equation(effects: Any) -> str:
 
 
 def free_body_sections(found: FreeBodies, state: str) -> Iterator[Section]:
-    """Yield the report of one state."""
     size = free_body_sizes(found)
     yield [Paragraph(f"{found.robot}: {len(found.bodies)} bodies, {state}, {gravity_text(found.gravity)}")]
     freedom, reactions = (sum(getattr(row, name) for row in found.joints) for name in ("freedom", "reactions"))

@@ -65,7 +65,6 @@ def link_json(robot: str, found: LinkInertia, view: View, checked: Checked) -> s
 
 
 def link_shapes_json(robot: str, found: LinkShapes, view: View) -> str:
-    """Return what the shapes of a link make."""
     meshes, valid = [part.name for part in found.shapes.parts], _validity(validity(found.body))
     keys = "validity box:shapes.box meshes warnings:shapes.remarks"
     rest = doc.select(found, keys, validity=valid, meshes=meshes)
@@ -201,7 +200,6 @@ def robot_page(
 def link_page(
     found: LinkInertia, description: Description, view: View, checked: Checked, pictures: bool
 ) -> doc.Document:
-    """Return a link as declared."""
     first = [_possible(found.body, (), checked), *_link(description, found, pictures)]
     sections = words.link_sections(description.file, found, view, checked)
     title, what = f"{description.name}: {found.name}", f"Link {found.name} as declared"
@@ -209,7 +207,6 @@ def link_page(
 
 
 def link_shapes_page(found: LinkShapes, description: Description, view: View, pictures: bool) -> doc.Document:
-    """Return a link made of its shapes."""
     first = [_possible(found.body, found.shapes.remarks), *_link(description, found, pictures)]
     sections = words.link_shapes_sections(description.file, found, view)
     title, what = f"{description.name}: {found.name}", f"Link {found.name} from its {found.kind} shapes, {found.weight}"
@@ -217,7 +214,6 @@ def link_shapes_page(found: LinkShapes, description: Description, view: View, pi
 
 
 def differences_page(found: Comparison) -> doc.Document:
-    """Return declared inertias against those of shapes."""
     differences = [link.difference.inertia for link in found.links if link.difference is not None]
     far, rest = sum(difference > 0.1 for difference in differences), len(found.links) - len(differences)
     level: doc.Level = "doubtful" if far else "good" if differences else "neutral"

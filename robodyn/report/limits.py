@@ -76,7 +76,6 @@ def shortened(lines: list[str]) -> tuple[str, ...]:
 
 
 def exceeded_words(excess: Excess) -> str:
-    """Return a sentence on a limit that is exceeded."""
     name, value, limit, unit = printable(excess.joint), excess.value, excess.limit, excess.unit
     if excess.quantity == "position":
         side = "below its lower" if value < limit else "above its upper"

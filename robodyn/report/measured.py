@@ -20,7 +20,6 @@ _ROUNDED = 1e-9
 
 
 def percent(share: float) -> str:
-    """Return a share in words."""
     return f"{100 * share:.0f} %" if share > 0.1 else f"{100 * share:.1f} %"
 
 

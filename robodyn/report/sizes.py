@@ -24,15 +24,12 @@ class Sizes(dict[str, float]):
     """The largest of each unit, and numbers beside it as text."""
 
     def number(self, value: float, unit: str) -> str:
-        """Return a number of this unit."""
         return number(value, self[unit])
 
     def amount(self, value: float, unit: str) -> str:
-        """Return a number with its unit."""
         return f"{number(value, self[unit])} {unit}"
 
     def moment(self, when: float, value: float, unit: str) -> str:
-        """Return when a value of this unit is at its largest."""
         return moment(when, value, self[unit])
 
 

@@ -25,7 +25,6 @@ Columns = list[tuple[str, Callable[[T], str]]]
 
 
 def by_columns(columns: Columns[T], things: Iterable[T]) -> Content:
-    """Return a row for each thing."""
     return [title for title, _ in columns], [[cell(each) for _, cell in columns] for each in things]
 
 
@@ -87,7 +86,6 @@ def relative_text(error: float) -> str:
 
 
 def gravity_text(gravity: Sequence[float]) -> str:
-    """Return gravity with its unit."""
     return "gravity ({:g}, {:g}, {:g}) m/s^2".format(*gravity)
 
 
@@ -122,7 +120,6 @@ def is_numeric(cells: Sequence[str]) -> bool:
 
 
 def numeric_columns(head: Sequence[str], rows: Sequence[Sequence[str]]) -> list[bool]:
-    """Return which columns hold nothing but numbers."""
     return [is_numeric([row[k] for row in rows]) for k in range(len(head))]
 
 

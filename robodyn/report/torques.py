@@ -115,7 +115,6 @@ def _input_words(result: Result) -> Iterator[str]:
 
 
 def outcome_line(outcome: Outcome) -> str:
-    """Return what became of one trajectory."""
     name = printable(outcome.trajectory)
     if outcome.status == "failed":
         return f"{name}: failed"
@@ -166,7 +165,6 @@ def batch_sections(batch: Batch) -> Iterator[Section]:
 
 
 def load_table(result: Result) -> Content:
-    """Return what each joint carries."""
     size = result_sizes(result)
     columns: Columns[JointLoad] = [
         ("joint", lambda joint: joint.name),

@@ -234,8 +234,8 @@ _BY = np.array([(1.0, 1.0, 1.0), *(units.factors for units in UNITS)])
 
 @dataclass(frozen=True, eq=False)
 class Uniform:
-    """What shapes are if they are of one density: their volume [m^3], its centre c (3,) [m], and S (3, 3), second
-    moments about it, by the mass [m^2]."""
+    """What shapes of one density are: volume [m^3], its centre c (3,) [m], S (3, 3) second moments about it by the mass
+    [m^2]."""
 
     volume: float
     c: Floats

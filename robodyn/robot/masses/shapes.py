@@ -123,8 +123,8 @@ def shapes_inertia(
 
 @dataclass(frozen=True, eq=False)
 class LinkShapes:
-    """A link made of its shapes, in its own frame: the `shapes` at 1000 kg/m^3, with remarks, and the `body` of the
-    mass that `weight` says in words where it is from."""
+    """A link of its shapes, in its own frame: `shapes` at 1000 kg/m^3, and the `body` of the mass from where `weight`
+    says."""
 
     name: str
     line: int

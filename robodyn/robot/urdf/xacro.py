@@ -18,7 +18,6 @@ from robodyn.support.wording import alternatives, shown
 PATIENCE = 20.0
 """Seconds that an expansion may take; the largest robots take a few."""
 _TRUST = "--trust-xacro lifts this, and lets the file do whatever Python can"
-_DEFINITIONS = frozenset(f"xacro:{name}" for name in ("macro", "property", "arg", "include"))
 
 
 class Expansion(NamedTuple):
@@ -142,4 +141,4 @@ def only_defines(path: str) -> bool:
         parser.Parse(read_input(path, most=1 << 24), True)
     except (OSError, ValueError, expat.ExpatError):  # whatever is wrong with it is said by xacro
         return False
-    return "xacro:macro" in names and names <= _DEFINITIONS
+    return "xacro:macro" in names and names <= {"xacro:macro", "xacro:property", "xacro:arg", "xacro:include"}
