@@ -127,20 +127,25 @@ def tasks_for(sources: Sequence[Source], given: Options = STANDARD, config: str 
 
 
 def check_description(description: Description, given: Options = STANDARD) -> Checked:
-    """Return the findings in a description that was read, with the settings of its project; no file in other formats
-    than URDF, which rules do not read."""
-    if description.format != "urdf":
-        return Checked((), ())
+    """Return the findings in a description that was read, with the settings of its project; no file of what came in
+    another format than URDF from none."""
     options = _options(description.file.removesuffix(EXPANDED), given, None, {})
-    found = found_in(description.data, options, description.file)
+    if description.format == "urdf":
+        found = found_in(description.data, options, description.file)
+    elif os.path.isfile(description.file):
+        from robodyn.checks.other_formats import as_urdf
+
+        found = _judged(*as_urdf(description), options)
+    else:
+        return Checked((), ())
     return Checked((description.file,), found.shown, hidden=found.hidden)
 
 
 def fix_task(task: Task, unsafe: bool = False) -> Fixed:
-    """Return the text of a file with its fixes made (see `fixed`), which is not written; of a xacro file as it is."""
+    """Return the text of a file with its fixes made (see `fixed`), which is not written; what is no URDF as it is."""
     name = task.name
     _, data = read_source(task.source, name)
-    if is_xacro(task.source):
+    if is_xacro(task.source) or root_tag(data) in OTHER_FORMATS:
         return Fixed(name, data, data)
     return fixed(data, name, lambda text: places(found_in(text, task.options, name).shown), unsafe=unsafe)
 
@@ -248,7 +253,10 @@ def _outcome(task: Task) -> Found | InputError:
 
 def found_in(source: Source, options: Options = STANDARD, name: str | None = None) -> Found:
     """Return one finding for each cause in one file or its bytes, shown or hidden as is selected."""
-    reading, expansion = _read(source, options, name)
+    return _judged(*_read(source, options, name), options)
+
+
+def _judged(reading: Document, expansion: Expansion | None, options: Options) -> Found:
     return replace(select_findings(_findings(reading, expansion, options), options), content=_digest(reading))
 
 
@@ -276,13 +284,15 @@ _MOST_HUNG_ON = 16
 
 
 def _read(source: Source, options: Options, name: str | None) -> tuple[Document, Expansion | None]:
-    """Return a description as it is read, of a xacro file its expansion. NoRobotError where that has no link and no
-    joint, or hangs on links that another xacro file of the folder or package has."""
+    """Return a description as it is read, of xacro its expansion, of other formats their URDF. NoRobotError
+    where that has no link and no joint, or hangs on links that another xacro file of the folder or package has."""
     if isinstance(source, bytes) or not is_xacro(source):
         reading = read(source, name)
-        if reading.robot is None and (other := OTHER_FORMATS.get(root_tag(reading.data))) is not None:
-            remedy = "robodyn diff compares it with a URDF, robodyn convert makes one of it"
-            raise InputError(f"this is {other}, and check reads URDF and xacro", remedy=remedy, file=reading.file)
+        if reading.robot is None and root_tag(reading.data) in OTHER_FORMATS:
+            from robodyn.checks.other_formats import as_urdf
+            from robodyn.robot.load import load_description
+
+            return as_urdf(load_description(source, name, package_paths=options.package_path))
         return reading, None
     from robodyn.robot.urdf.xacro import expanded, no_robot
 
@@ -312,7 +322,12 @@ def _findings(reading: Document, expansion: Expansion | None, options: Options) 
     expanded_to = "" if expansion is None else options.expanded_to
     asked = replace(options.asked, xacro_args=options.xacro_args)
     context = Context(reading, options.thresholds, options.package_path, asked, CODES, expanded_to)
-    findings = run_rules(context, rules_for(options.select, options.ignore))
+    rules = rules_for(options.select, options.ignore)
+    if expansion is not None and not reading.file.endswith(EXPANDED):
+        from robodyn.checks.other_formats import RULES as OF_ANY_FORMAT
+
+        rules = tuple(rule for rule in rules if rule.code.startswith(OF_ANY_FORMAT))
+    findings = run_rules(context, rules)
     return findings if expansion is None else tuple(located(findings, reading, expansion))
 
 

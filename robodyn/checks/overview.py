@@ -58,7 +58,7 @@ class Overview:
         com: [m], or None without mass.
         at: the coordinates at which it is taken, each zero or the limit nearest to zero [rad or m].
         notes: why there is no centre of mass, and which joints are beyond their limits all the same; of formats other
-            than URDF, which are not checked, those of the model, too.
+            than URDF those of the model, too: what they say beyond.
     """
 
     name: str

@@ -48,7 +48,7 @@ _DEEPEST = 40
 def check_line(checked: Checked) -> str:
     """Return how many findings there are of each kind, at how many places, and whether the description is unfit."""
     if not checked.files and not checked.unread:
-        return "nothing, as rules read URDF and xacro"
+        return "nothing, as it comes from no file"
     counts = ", ".join(count(checked.count(severity), severity.value) for severity in LEVELS)
     places = sum(len(finding.places) for finding in checked.findings)
     at = f" at {places} places" if places > len(checked.findings) else ""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 from xml.sax.saxutils import escape
 
@@ -35,7 +35,7 @@ def write_urdf(description: Description, out: str) -> Written:
         if key in description.scene:
             lost.append(f"{what} {listed(list(description.scene['spring']))}" if key == "spring" else what)
     if description.format != "urdf":
-        return Written(_new(description, out, [line for _, line in lines]).encode(), lost, {})
+        return Written(new_urdf(description, out, [line for _, line in lines]).encode(), lost, {})
     return Written(_edited(description, out, lines), lost, {})
 
 
@@ -116,7 +116,8 @@ def _motor(element: Element, was: Transmission, now: Transmission) -> Iterator[E
         yield with_first_child(places[0], lines)
 
 
-def _new(description: Description, out: str, more: list[str]) -> str:
+def new_urdf(description: Description, out: str, more: Sequence[str] = ()) -> str:
+    """Return the URDF of a description of any format, for a file of this name, with more elements at its end."""
     comments, lines = comments_of(description.data) if description.data else {}, list[str]()
     lines += [f"<!--{each}-->" for each in dict.fromkeys([MARK, *comments.get(("", ""), [])])]
     lines.append(tag("robot", ">", name=description.name or "robot"))
@@ -128,7 +129,7 @@ def _new(description: Description, out: str, more: list[str]) -> str:
         lines += [*(f"  <!--{each}-->" for each in said), *_indented(_joint(joint))]
     for each in description.transmissions:
         lines += _indented(_transmission(each))
-    return "\n".join(['<?xml version="1.0"?>', *lines, *_indented(more), "</robot>", ""])
+    return "\n".join(['<?xml version="1.0"?>', *lines, *_indented([*more]), "</robot>", ""])
 
 
 def _indented(lines: list[str]) -> list[str]:

@@ -78,7 +78,7 @@ def test_standard_input() -> None:
     done, wrong = (run("info", "-", stdin=text.encode()) for text in (ARM, ARM.replace("size", "sise")))
     assert (done.status, done.err) == (0, "")
     assert "upper" in done.out
-    assert "check: nothing, as rules read URDF and xacro" in done.out
+    assert "check: nothing, as it comes from no file" in done.out
     assert (wrong.status, wrong.out, wrong.err.count("\n")) == (2, "", 1)
     assert "<stdin>:2: MuJoCo refuses it: Schema violation: unrecognized attribute: 'sise'" in wrong.err
 
@@ -90,10 +90,3 @@ def test_without_it_and_without_time(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(extras, "available", lambda module: module != "mujoco")
     with pytest.raises(InputError, match=r'MJCF files need mujoco-core \(pip install "robodyn\[mjcf\]"\)'):
         robodyn.load(ARM.encode())
-
-
-def test_check_says_what_it_reads(tmp_path: Path) -> None:
-    (tmp_path / "arm.xml").write_text(ARM)
-    done = run("check", str(tmp_path / "arm.xml"))
-    assert (done.status, done.out) == (2, "")
-    assert "arm.xml: this is MJCF, and check reads URDF and xacro (robodyn diff" in done.err
