@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from robodyn.checks.check import check as check
+    from robodyn.comparison.compare import compare as compare
     from robodyn.dynamics.constraints.solve import constraint_forces as constraint_forces
     from robodyn.dynamics.derivatives import forward_dynamics_derivatives as forward_dynamics_derivatives
     from robodyn.dynamics.derivatives import (
@@ -74,6 +75,7 @@ if not os.path.isdir(os.path.join(os.path.dirname(__file__), "cli")):
 
 _HOMES = {
     "checks.check": ("check",),
+    "comparison.compare": ("compare",),
     "dynamics.constraints.solve": ("constraint_forces",),
     "dynamics.derivatives": (
         "forward_dynamics_derivatives",

@@ -1,1 +1,1 @@
-"""From a description to a model: URDF (urdf/), the tree of joints, poses, masses declared against shapes (masses/)."""
+"""From a description to a model: URDF (urdf/), MJCF (mjcf/), SDF (sdf/), joints, poses, declared masses (masses/)."""
