@@ -40,7 +40,7 @@ def link_of(node: Node, frames: Frames, moved: Pose) -> Link:
         entries = [node.number(tag, float(tag[1] == tag[2]), inertia) for tag in parts.INERTIA]
     xx, xy, xz, yy, yz, zz = entries
     inertial = Inertial(mass, origin(composed(moved, pose)), (xx, xy, xz, yy, yz, zz))
-    return Link(node.name, inertial, tuple(geometries), node.element.line)
+    return Link(node.name, inertial, tuple(geometries), node.line())
 
 
 def _placed(element: Element, node: Node, frames: Frames) -> Pose:
@@ -60,13 +60,13 @@ def _shape(element: Element, node: Node, frames: Frames) -> Geometry | None:
             for tag in parts.SIZES[child.tag]:
                 written = node.text.strict.needed_child(child, tag, node.owner)
                 size += node.numbers(written, 3 if tag == "size" else 1)
-            return Geometry(kind, Origin(), cast("parts.Shape", child.tag), size, line=element.line)
+            return Geometry(kind, Origin(), cast("parts.Shape", child.tag), size, line=node.line(element))
         if child.tag == "mesh" and child.find("submesh") is None:
             uri, scale = node.said("uri", None, child), node.child("scale", child)
             factors = (1.0, 1.0, 1.0) if scale is None else cast("Vector", node.numbers(scale, 3))
             if package_of(uri) is None and "://" not in uri and node.text.folder:
                 uri = f"{node.text.folder}/{uri}"
-            return Geometry(kind, Origin(), "mesh", (), uri, factors, element.line)
+            return Geometry(kind, Origin(), "mesh", (), uri, factors, node.line(element))
         if child.tag != "empty":
             frames.left[f"<{child.tag}> of a {kind}"] += 1
     return None

@@ -52,12 +52,14 @@ def truth(text: str) -> bool:
 
 @dataclass(frozen=True)
 class Text:
-    """One file: its folder seen from that of the main file, its version, and the files that include it."""
+    """One file: its folder seen from that of the main file, its version, the files that include it, itself last, and
+    the line of the main file that does so; 0 for that itself."""
 
     strict: Strict
     folder: str
     version: tuple[int, ...]
     trail: tuple[str, ...]
+    line: int = 0
 
 
 @dataclass(eq=False)
@@ -97,6 +99,10 @@ class Node:
             found.append(node)
             node = node.model
         return found
+
+    def line(self, element: Element | None = None) -> int:
+        """Return the line of the main file in which it or one of its elements is, or which includes that."""
+        return self.text.line or (element or self.element).line
 
     def error(self, what: str, remedy: str, at: Element | None = None) -> DescriptionError:
         return self.text.strict.error((at or self.element).line, what, remedy)
@@ -234,7 +240,7 @@ class Frames:
         static = node.said("static", "")
         if by is not None:
             if within.child("pose", by) is not None:
-                (node.pose, node.base), node.placement = within.pose_in(by), ""
+                node.pose, node.base = within.pose_in(by)
             node.placement = within.said("placement_frame", node.placement, by)
             static = within.said("static", static, by)
             self._note_lost(by)
@@ -260,7 +266,7 @@ class Frames:
             raise within.error(what, "no robot needs as much", element)
         sdf = read_document(path, None, "sdf").root
         here = os.path.relpath(path.parent, os.path.dirname(os.path.abspath(self.search.file)))
-        text, models = _text(sdf, str(path), here, (*trail, real)), sdf.findall("model")
+        text, models = _text(sdf, str(path), here, (*trail, real), within.line(element)), sdf.findall("model")
         if len(models) != 1:
             what = f"an included file has {count(len(models), 'model')}, not one"
             raise text.strict.error(sdf.line, what, "include files with one model")
@@ -343,12 +349,12 @@ class Frames:
         return node
 
 
-def _text(sdf: Element, file: str, folder: str, trail: tuple[str, ...]) -> Text:
+def _text(sdf: Element, file: str, folder: str, trail: tuple[str, ...], line: int = 0) -> Text:
     strict, written = Strict(file), sdf.get("version") or "1.7"
     parts = written[:20].split(".")[:2]
     if not all(part.isdecimal() for part in parts):
         raise strict.error(sdf.line, f"the version is {shown(written)}", 'write version="1.7"')
-    return Text(strict, folder, tuple(map(int, parts)), trail)
+    return Text(strict, folder, tuple(map(int, parts)), trail, line)
 
 
 def _configured(folder: Path) -> str:

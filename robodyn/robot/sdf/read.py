@@ -88,7 +88,7 @@ class _Robot:
     def _note(self, node: Node, what: str) -> None:
         file = node.text.strict.file
         place = "" if file == self.frames.search.file else f"{file}: "
-        self.notes.append((node.element.line, f"{place}{what}"))
+        self.notes.append((node.line(), f"{place}{what}"))
 
     def _name(self, name: str) -> str:
         """Return the name, or one like it that nothing has."""
@@ -128,7 +128,7 @@ class _Robot:
             slide = self._name(f"{name}_slide")
             row.append(Joint(slide, "prismatic", "", "", axis=row[0].axis, mimic=Mimic(name, pitch / (2 * pi))))
             self._note(node, f"{owner} is a hinge, and the slide {shown(slide)} that mimics it")
-        return _Edge(node, kind, parent, child, [replace(joint, line=element.line) for joint in row])
+        return _Edge(node, kind, parent, child, [replace(joint, line=node.line()) for joint in row])
 
     def _axis(self, node: Node, tag: str) -> tuple[Element, Floats]:
         """Return an axis as written and as a direction in the robot's frame."""
@@ -224,13 +224,13 @@ class _Robot:
             kind = "fixed" if self.still else "floating"
             here = origin(relative(self.poses[self.world], self._frame(body)))
             name = self._name(f"{body.name}_{kind}")
-            joints.append(Joint(name, kind, WORLD, body.name, here, line=body.element.line))
+            joints.append(Joint(name, kind, WORLD, body.name, here, line=body.line()))
         below = {edge: body for body, edge in self.inboard.items()}
         for edge in filter(below.__contains__, self.edges):
             body = below[edge]
             above, row = (edge.parent, edge.row) if body is edge.child else (edge.child, edge.row[::-1])
             here, parent = origin(relative(self._frame(above), self._frame(body))), above.name
-            for joint in row or [Joint(edge.node.name, "fixed", "", "", line=edge.node.element.line)]:
+            for joint in row or [Joint(edge.node.name, "fixed", "", "", line=edge.node.line())]:
                 child = body.name if not row or joint is row[-1] else self._name(f"{body.name}_{joint.name}")
                 if child != body.name:
                     between.setdefault(body, []).append(Link(child, line=joint.line))
@@ -312,7 +312,7 @@ class _Robot:
             name, element = edge.node.name, edge.node.element
             inertia, gear = (edge.node.number(f"drake:{tag}", 0.0, element) for tag in ("rotor_inertia", "gear_ratio"))
             if inertia and edge.row and edge.row[0].name == name:
-                found.append(Transmission(f"{name}_rotor", name, gear or 1.0, inertia, element.line))
+                found.append(Transmission(f"{name}_rotor", name, gear or 1.0, inertia, edge.node.line()))
         return found
 
     def _followed(self, joints: Sequence[Joint]) -> list[Joint]:

@@ -136,7 +136,9 @@ class Pair:
 
     def name(self, theirs) -> str:
         model = self.plant.GetModelInstanceName(theirs.model_instance()).split("::")
-        names = ["::".join([*model[k:], theirs.name()]) for k in range(len(model) + 1)]
+        # Drake counts a joint as one of its child's model.
+        parts = [model[k:end] for end in range(len(model), -1, -1) for k in range(end + 1)]
+        names = ["::".join([*part, theirs.name()]) for part in parts]
         return next((n for n in names if n in self.joints or f"{n}_x" in self.joints or f"{n}_1" in self.joints), "")
 
     def check(self, samples: int = 3) -> None:
@@ -270,6 +272,14 @@ FEATURES = {
     + joint("j", "revolute", "b", "c")
     + "</model>"
     + joint("k", "revolute", "a", "n"),
+    "canonical links behind models": GROUNDED
+    + f"<model name='n'><model name='o'>{link('c', C, 2)}</model>{link('b', B)}"
+    + joint("j", "revolute", "b", "o::c")
+    + "</model>"
+    + joint("k", "revolute", "a", "n"),
+    "models of models": GROUNDED
+    + f"<model name='n'><model name='o'><pose>1 0 0 0 1 0</pose>{link('c', C, 2)}</model></model>"
+    + joint("k", "revolute", "a", "n"),
     "links without mass": GROUNDED + "<link name='b'/>" + joint("j", "revolute", "a", "b"),
     "inertials with parts": GROUNDED
     + "<link name='b'><inertial><mass>3</mass></inertial></link>"
@@ -348,11 +358,15 @@ def test_included_models(tmp_path: Path) -> None:
     things = tmp_path / "things"
     things.mkdir()
     (things / "hand.sdf").write_text(sdf(hand))
+    (things / "placed.sdf").write_text(sdf(hand, more="placement_frame='f'"))
     text, uri = GROUNDED, "<uri>package://things/hand.sdf</uri>"
     for k, more in enumerate(
         ("", "<pose relative_to='a'>1 0 0 0 1 0</pose>", "<placement_frame>f</placement_frame><pose>0 1 0 2 0 0</pose>")
     ):
         text += f"<include>{uri}<name>n{k}</name>{more}</include>" + joint(f"j{k}", "revolute", "a", f"n{k}::x")
+    placed = "<uri>package://things/placed.sdf</uri>"
+    for k, more in ((5, ""), (6, "<pose>1 0 2 0 1 0</pose>")):
+        text += f"<include>{placed}<name>n{k}</name>{more}</include>" + joint(f"j{k}", "revolute", "a", f"n{k}::x")
     text += f"<include merge='true'><name>n9</name>{uri}<pose>0 1 0 2 0 0</pose></include>"
     text += joint("j9", "prismatic", "n0", "x", pose="<pose relative_to='f'>1 1 1 0 0 0</pose>")
     Pair(sdf(text), {"things": str(things)}).check()

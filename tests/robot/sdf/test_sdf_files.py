@@ -34,7 +34,7 @@ def written(path: Path, text: str) -> Path:
 
 
 def test_includes(tmp_path):
-    written(tmp_path / "hand.sdf", sdf(model("<pose>9 9 9 0 0 0</pose>" + LINK, "hand")))
+    written(tmp_path / "hand.sdf", sdf(model("\n\n\n\n<pose>9 9 9 0 0 0</pose>" + LINK, "hand")))
     written(
         tmp_path / "grip/model.config",
         "<model><sdf version='1.5'>old.sdf</sdf><sdf version='1.10'>new.sdf</sdf></model>",
@@ -43,15 +43,20 @@ def test_includes(tmp_path):
     written(tmp_path / "grip/new.sdf", sdf(model(mesh, "grip")))
     written(tmp_path / "grip/m.stl", "")
     weld = "<joint name='j{0}' type='fixed'><parent>{1}</parent><child>{2}</child></joint>"
-    text = LINK + include("hand.sdf", "<pose relative_to='a'>0 0 1 0 0 0</pose>")
-    text += include("model://grip", "<name>left</name>") + include(
-        "grip", "<placement_frame>a</placement_frame><name>r</name>"
+    text = LINK + "\n" + include("hand.sdf", "<pose relative_to='a'>0 0 1 0 0 0</pose>")
+    text += (
+        "\n"
+        + include("model://grip", "<name>left</name>")
+        + "\n"
+        + include("grip", "<placement_frame>a</placement_frame><name>r</name>")
     )
     joints = "".join(weld.format(k, "a", name) for k, name in enumerate(("hand::a", "left", "r::a")))
     found = load_description(written(tmp_path / "m.sdf", sdf(model(text + joints))))
     assert [link.name for link in found.links] == ["a", "hand::a", "left::a", "r::a"]
     assert found.joints[0].origin.xyz == (0.0, 0.0, 1.0)
     assert found.links[2].geometries[0].filename == "grip/m.stl"
+    lines = [(link.line, [shape.line for shape in link.geometries]) for link in found.links]
+    assert lines == [(1, []), (2, []), (3, [3]), (4, [4])]  # of the file, not of those that it includes
 
 
 def test_merged_includes(tmp_path):

@@ -160,6 +160,62 @@ def test_friction_and_springs():
     assert "friction and springs act on their angles" in ball.notes[0][1]
 
 
+def test_rows_of_hinges_backwards():
+    """A joint whose child is nearer to the root: the same coordinates, in the other order, about opposite axes."""
+    two = "<pose>0.1 0.2 0.3 0.4 0.5 0.6</pose><axis><xyz>1 0 0</xyz></axis><axis2><xyz>0 1 0</xyz></axis2>"
+    model = loaded(PAIR + joint("j", "universal", "b", "a", two))
+    tiny = "<mass>0</mass><inertia><ixx>0</ixx><iyy>0</iyy><izz>0</izz></inertia>"
+    tiny = f"<link name='i'><pose relative_to='a'/><inertial>{tiny}</inertial></link>"
+    place = "<pose relative_to='a'>0.1 0.2 0.3 0.4 0.5 0.6</pose>"
+    row = joint("j_1", "revolute", "b", "i", place + "<axis><xyz>1 0 0</xyz></axis>")
+    other = loaded(PAIR + tiny + row + joint("j_2", "revolute", "i", "a", place + "<axis><xyz>0 1 0</xyz></axis>"))
+    assert set(model.joint_names) == {"j_1", "j_2"}
+    mine, theirs = (
+        robodyn.mass_matrix(each, [{"j_1": 0.4, "j_2": -0.9}[name] for name in each.joint_names])[
+            np.ix_(*[[each.joint_names.index(name) for name in ("j_1", "j_2")]] * 2)
+        ]
+        for each in (model, other)
+    )
+    np.testing.assert_allclose(mine, theirs, atol=1e-13)
+
+
+def test_which_joints_close_loops():
+    """Welds and hinges are joints before ball joints are, wherever they stand in the file."""
+    ball = joint("ball", "ball", "b", "a", "")
+    hinges = joint("ad", "revolute", "a", "d") + joint("bd", "revolute", "b", "d")
+    bodies = joint("j0", "fixed", "world", "a", "") + "".join(body(name, "0 0 0 0 0 0") for name in "abd")
+    assert [loop["name"] for loop in described(bodies + ball + hinges).scene["loop"]] == ["ball"]
+    weld = joint("weld", "fixed", "b", "a", "")
+    assert [loop["name"] for loop in described(bodies + hinges + weld).scene["loop"]] == ["bd"]
+
+
+def test_shapes_stand_where_they_do():
+    shape = "<geometry><box><size>1 2 3</size></box></geometry>"
+    inside = f"<visual name='v'><pose relative_to='f'>0 0 1 0 0 0</pose>{shape}</visual>"
+    inside += f"<collision name='c'><pose>0 0 1 0 0 0</pose>{shape}</collision>"
+    frame = "<frame name='f'><pose>5 6 7 0.1 0.2 0.3</pose></frame>"
+    text = PAIR.replace("</link>", inside + "</link>", 1) + frame
+    turned = PAIR.replace(
+        "<link name='b'><pose>1 0 1 0 0.2 0</pose>", f"<link name='b'><pose>1 0 1 0 0.2 0</pose>{inside}"
+    )
+    hinge = "<pose>0.5 0.4 0.3 0 0 0</pose><axis/>"
+    for found, name in (
+        (text + joint("j", "fixed", "a", "b", ""), "a"),
+        (turned + frame + joint("j", "revolute", "a", "b", hinge), "b"),
+    ):
+        model = loaded(found)
+        where = link_poses(model, np.zeros(model.nq))[name]
+        (link,) = [each for each in model.description.links if each.name == name]
+        places = [where.R @ each.origin.xyz + where.p for each in link.geometries]
+        turn = {"a": rotation_from_rpy(0.3, 0, 0), "b": rotation_from_rpy(0, 0.2, 0)}[name]
+        at = {"a": (0, 0, 1), "b": (1, 0, 1)}[name]
+        expected = [np.add((5, 6, 7), rotation_from_rpy(0.1, 0.2, 0.3)[:, 2]), at + turn[:, 2]]
+        np.testing.assert_allclose(places, expected, atol=1e-14)
+        np.testing.assert_allclose(
+            where.R @ rotation_from_rpy(*link.geometries[0].origin.rpy), rotation_from_rpy(0.1, 0.2, 0.3), atol=1e-14
+        )
+
+
 def test_revolute2_is_two_hinges():
     two = "<axis><xyz>1 0 0</xyz></axis><axis2><xyz>0.6 0.8 0</xyz></axis2>"
     model, named = loaded(PAIR + joint("j", "revolute2", "a", "b", two)), ("j_1", "j_2")
@@ -214,6 +270,9 @@ def test_gravity_of_links_and_worlds():
     assert "gravity is off for 'b'" in model.notes[0]
     assert described(light.replace("name='a'>", "name='a'><gravity>false</gravity>")).scene == {"gravity": [0.0] * 3}
     assert described("<gravity>0</gravity>" + PAIR + joint("j", "revolute", "a", "b")).scene == {"gravity": [0.0] * 3}
+    nested = "<link name='a'/><model name='n'><gravity>0</gravity><model name='o'><link name='b'/></model></model>"
+    weld = joint("j", "fixed", "a", "n::o::b", "")
+    assert [each["link"] for each in described(nested + weld).scene["wrench"]] == ["n::o::b"]
     world = f"<sdf version='1.10'><world name='w'><gravity>0 1 -3</gravity><model name='m'>{PAIR}</model></world></sdf>"
     found = load_description(world.encode())
     assert (found.name, found.root, found.scene) == ("m", "world", {"gravity": [0.0, 1.0, -3.0]})
