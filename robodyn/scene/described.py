@@ -6,6 +6,7 @@ from dataclasses import asdict, fields, replace
 from typing import Any
 
 from robodyn.robot.urdf.parts import Description, Inertial, Joint, Link, Origin, Transmission
+from robodyn.robot.write.common import free_name
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.wording import listed
 
@@ -42,7 +43,7 @@ def described(description: Description, scene: Scene) -> tuple[Description, list
     links = list(description.links)
     names = {link.name for link in links} | known
     for load in scene.payloads:
-        name = next(n for k in range(len(names) + 1) if (n := f"{load.link}_payload{k or ''}") not in names)
+        name = free_name(f"{load.link}_payload", names)
         names |= {name}
         links.append(Link(name, Inertial(load.mass, Origin(load.com), load.inertia)))
         joints.append(Joint(f"{name}_fixed", "fixed", load.link, name))

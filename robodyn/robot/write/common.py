@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from typing import NamedTuple
 from xml.parsers import expat
 from xml.sax.saxutils import quoteattr
@@ -45,6 +45,11 @@ def check_possible(description: Description) -> None:
 def impossible(description: Description, link: Link, why: str, code: str) -> DescriptionError:
     what, remedy = f"link {shown(link.name)} is impossible: {why}", f"correct it; robodyn rule {code} tells how"
     return DescriptionError(what, remedy=remedy, file=description.file, line=link.line)
+
+
+def free_name(name: str, taken: Collection[str]) -> str:
+    """Return the name, with a number behind it if it is taken."""
+    return next(each for k in range(len(taken) + 1) if (each := f"{name}{k or ''}") not in taken)
 
 
 def text(*values: float) -> str:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -16,8 +16,8 @@ from robodyn.errors import DescriptionError, InputError
 from robodyn.programs.vectors import product, rpy_from_rotation, snapped
 from robodyn.robot import model
 from robodyn.robot.load import elementary, placement
-from robodyn.robot.urdf.parts import ZERO, Description, Geometry, Inertial, Joint, Link
-from robodyn.robot.write.common import MARK, Written, check_possible, comments_of, impossible, tag
+from robodyn.robot.urdf.parts import ZERO, Description, Geometry, Inertial, Joint, Link, Vector
+from robodyn.robot.write.common import MARK, Written, check_possible, comments_of, free_name, impossible, tag
 from robodyn.solids.inertia.laws import symmetric
 from robodyn.solids.mesh.read.load import load_triangles
 from robodyn.support.floats import Floats
@@ -33,14 +33,6 @@ _HEAD = (
     '<compiler angle="radian" eulerseq="XYZ" autolimits="true" inertiafromgeom="false" balanceinertia="false"'
     ' boundmass="0" boundinertia="0" discardvisual="false" fusestatic="false"/>'
 )
-
-
-class _Move(NamedTuple):
-    """An elementary joint, its frame in the parent body, and that of MuJoCo's kind."""
-
-    joint: model.Joint
-    R: Floats
-    p: Floats
 
 
 def write_mjcf(description: Description, out: str, *, convert_meshes: bool = False) -> Written:
@@ -63,14 +55,17 @@ class _Writer:
         self.carried: dict[str, list[Joint]] = {name: [] for name in self.links}
         for joint in description.joints:
             self.carried[joint.parent].append(joint)
+        root, only = self.links[description.root], self.carried[description.root]
+        self.free = "base" in description.scene
+        self.grounded = not self.free and not _massive(root)
+        self.grounded &= root.name == WORLD or any(joint.type == "floating" for joint in only)
         self.armature = {e.joint: e.reduction**2 * (e.rotor_inertia or 0.0) for e in description.transmissions}
         self.springs: dict[str, Any] = description.scene.get("spring", {})
         self.comments = comments_of(description.data) if description.data else {}
         self.sites: dict[str, list[str]] = {}
-        self.assets: dict[tuple[str, tuple[float, ...]], str] = {}
+        self.assets: dict[tuple[str, Vector], str] = {}
         self.files: dict[str, bytes] = {}
-        self.made: dict[str, str] = {}
-        self.unread: dict[str, str] = {}
+        self.converted: dict[str, str] = {}
         self.lost: dict[str, list[str]] = {}
         self.equalities: list[str] = []
         self.order: list[str] = []
@@ -78,102 +73,83 @@ class _Writer:
     def written(self) -> Written:
         for loop in self.description.scene.get("loop", []):
             self._loop(loop)
-        root = self.links[self.description.root]
-        free = "base" in self.description.scene
-        only = self.carried[root.name]
-        floating = any(joint.type == "floating" for joint in only)
-        body: list[str] = []
-        if not free and not _massive(root) and (root.name == WORLD or floating):
-            if root.name != WORLD:
-                self._lose("names of links that are the world", root.name)
-            body += self._content(root)
-            for joint in only:
-                body += self._bodies(joint)
-        else:
-            if root.name == WORLD:
-                raise DescriptionError(
-                    f"link {shown(WORLD)} has mass or moves, and is the ground in MJCF",
-                    remedy="give it another name",
-                    file=self.description.file,
-                    line=root.line,
-                )
-            names = {joint.name for joint in self.description.joints}
-            name = next(n for k in range(len(names) + 1) if (n := f"base{k or ''}") not in names)
-            if free:
-                self._check_mass(root)
-            body += [tag("body", ">", name=root.name), *([f"  {tag('freejoint', name=name)}"] if free else [])]
-            body += [f"  {line}" for line in self._content(root)]
-            for joint in only:
-                body += [f"  {line}" for line in self._bodies(joint)]
-            body.append("</body>")
-        gravity = self.description.scene.get("gravity", (0.0, 0.0, -9.81))
+        bodies = self._bodies(self.links[self.description.root])
         assets = [
             tag("mesh", name=name, file=file, scale=None if scale == _ONE else scale, inertia="shell")
             for (file, scale), name in self.assets.items()
         ]
         lines = [f"<!--{each}-->" for each in dict.fromkeys([MARK, *self.comments.get(("", ""), [])])]
         lines += [tag("mujoco", ">", model=self.description.name or "robot"), f"  {_HEAD}"]
-        lines.append(f"  {tag('option', gravity=gravity)}")
-        for name, inner in (("asset", assets), ("worldbody", body), ("equality", self.equalities)):
+        lines.append(f"  {tag('option', gravity=self.description.scene.get('gravity', (0.0, 0.0, -9.81)))}")
+        for name, inner in (("asset", assets), ("worldbody", bodies), ("equality", self.equalities)):
             lines += [f"  <{name}>", *(f"    {line}" for line in inner), f"  </{name}>"] if inner else []
-        return Written("\n".join([*lines, "</mujoco>", ""]).encode(), self._said(), self.files)
-
-    def _said(self) -> list[str]:
         said = [f"{what}: {listed(list(dict.fromkeys(of)))}" for what, of in self.lost.items()]
-        said += [f"mesh {name}: {why}" for name, why in self.unread.items()]
-        if self.equalities:
-            said.append("exact mimic rules and loops: MuJoCo's equality constraints are soft")
+        said += ["exact mimic rules and loops: MuJoCo's equality constraints are soft"] if self.equalities else []
         if self.order != [each.name for joint in self.description.joints for each in _moved(joint)]:
             said.append(f"the order of the file in q, which is that of the tree: {listed(self.order)}")
-        if b"<material" in self.description.data:
-            said.append("materials")
-        return said
+        said += ["materials"] if b"<material" in self.description.data else []
+        return Written("\n".join([*lines, "</mujoco>", ""]).encode(), said, self.files)
 
     def _lose(self, what: str, name: str) -> None:
         self.lost.setdefault(what, []).append(name)
 
-    def _bodies(self, joint: Joint) -> Iterator[str]:
-        """Yield the lines of the body that a joint carries, with all below it."""
-        waiting: list[tuple[int, Joint | None]] = [(0, joint)]
+    def _refused(self, part: Link | Joint, what: str, remedy: str) -> DescriptionError:
+        return DescriptionError(what, remedy=remedy, file=self.description.file, line=part.line)
+
+    def _bodies(self, root: Link) -> list[str]:
+        """Return the lines of all bodies, each within that which carries it."""
+        lines, waiting, depth = list[str](), list[tuple[int, Joint | None]](), 0
+        if self.grounded:
+            if root.name != WORLD:
+                self._lose("names of links that are the world", root.name)
+        elif root.name == WORLD:
+            what = f"link {shown(WORLD)} has mass or moves, and is the ground in MJCF"
+            raise self._refused(root, what, "give it another name")
+        else:
+            lines, waiting, depth = [tag("body", ">", name=root.name)], [(0, None)], 1
+        if self.free:
+            self._check_mass(root)
+            lines.append(f"  {tag('freejoint', name=free_name('base', {j.name for j in self.description.joints}))}")
+        lines += ["  " * depth + line for line in self._content(root)]
+        waiting += [(depth, each) for each in reversed(self.carried[root.name])]
         while waiting:
             depth, above = waiting.pop()
-            indent = "  " * depth
             if above is None:
-                yield f"{indent}</body>"
+                lines.append("  " * depth + "</body>")
                 continue
-            link, moves, R, p, pose = self._chain(above)
-            yield indent + tag("body", ">", name=link.name, **pose)
-            yield from (f"{indent}  {line}" for line in [*self._joints(moves, R, p), *self._content(link)])
-            waiting.append((depth, None))
-            waiting += [(depth + 1, each) for each in reversed(self.carried[link.name])]
+            link, head, *inner = self._body(above)
+            lines += ["  " * depth + head, *("  " * (depth + 1) + line for line in inner)]
+            waiting += [(depth, None), *((depth + 1, each) for each in reversed(self.carried[link]))]
+        return lines
 
-    def _chain(self, joint: Joint) -> tuple[Link, list[_Move], Floats, Floats, dict[str, Any]]:
-        """Return the link of a body, its joints, and its place in the parent as matrices and as attributes."""
-        moves: list[_Move] = []
+    def _body(self, joint: Joint) -> Iterator[str]:
+        """Yield the link of the body that a joint carries, its start tag, and its lines but for bodies in it."""
+        moves: list[tuple[model.Joint, Floats, Floats]] = []
         R, p, pose = np.eye(3), np.zeros(3), _pose(joint.origin.xyz, joint.origin.rpy)
         while True:
             turn, shift = placement(joint.origin)
             R, p = snapped(product(R, turn)), p + product(R, shift)
             if joint.type == "fixed":
                 self._lose("names of fixed joints", joint.name)
-            elif joint.type == "floating" and joint.parent != self.description.root:
+            elif joint.type == "floating" and not (self.grounded and joint.parent == self.description.root):
                 what = (
                     f"joint {shown(joint.name)} floats on link {shown(joint.parent)}; MJCF has free joints of the world"
                 )
-                raise DescriptionError(
-                    what, remedy="let it float on the root", file=self.description.file, line=joint.line
-                )
-            moves += [_Move(each, R, p) for each in _moved(joint)]
+                raise self._refused(joint, what, "let it float on a root without mass")
+            moves += [(each, R, p) for each in _moved(joint)]
             link, below = self.links[joint.child], self.carried[joint.child]
             bare = not _massive(link) and not link.geometries and link.name not in self.sites and len(below) == 1
-            if not (bare and joint.type not in ("fixed", "floating") and below[0].type not in ("fixed", "floating")):
+            if not bare or {joint.type, below[0].type} & {"fixed", "floating"}:
                 break
             self._lose("links without mass between joints", link.name)
-            joint = below[0]
-            pose = {}
+            joint, pose = below[0], {}
         if joint.type != "fixed":
             self._check_mass(link)
-        return link, moves, R, p, pose or _pose(p, rpy_from_rotation(R))
+        yield link.name
+        yield tag("body", ">", name=link.name, **(pose or _pose(p, rpy_from_rotation(R))))
+        for each, turn, place in moves:
+            yield from self._joint(each, product(R.T, turn, each.axis), product(R.T, place - p))
+        yield from self._content(link)
 
     def _check_mass(self, link: Link) -> None:
         """Raise unless the link, or one that is fixed to it, has mass and moments."""
@@ -181,43 +157,39 @@ class _Writer:
         while waiting:
             each = waiting.pop()
             if each.inertial is not None and each.inertial.mass > _LEAST:
+                heavy = True
                 if (np.linalg.eigvalsh(symmetric(each.inertial.inertia)) > _LEAST).all():
                     return
-                heavy = True
             waiting += [self.links[joint.child] for joint in self.carried[each.name] if joint.type == "fixed"]
         if not heavy:
             raise impossible(self.description, link, "it moves without mass", "RD202")
         what = f"link {shown(link.name)} moves, and MJCF has no masses without moments of inertia that move"
-        remedy = "give it some; robodyn rule RD204 tells why"
-        raise DescriptionError(what, remedy=remedy, file=self.description.file, line=link.line)
+        raise self._refused(link, what, "give it some; robodyn rule RD204 tells why")
 
-    def _joints(self, moves: list[_Move], R: Floats, p: Floats) -> Iterator[str]:
-        for joint, turn, place in moves:
-            self.order.append(joint.name)
-            for each in self.comments.get(("joint", joint.name), []):
-                yield f"<!--{each}-->"
-            if joint.kind == "floating":
-                yield tag("freejoint", name=joint.name)
-                continue
-            axis, pos = product(R.T, turn, joint.axis), product(R.T, place - p)
-            spring = self.springs.get(joint.name)
-            if joint.mimics is not None:
-                leader = (joint.offset, joint.multiplier, 0.0, 0.0, 0.0)
-                self.equalities.append(tag("joint", joint1=joint.name, joint2=joint.mimics, polycoef=leader))
-            yield tag(
-                "joint",
-                name=joint.name,
-                type="slide" if joint.kind == "prismatic" else "hinge",
-                pos=pos if pos.any() else None,
-                axis=axis,
-                range=self._range(joint),
-                actuatorfrcrange=self._effort(joint),
-                damping=joint.damping or None,
-                frictionloss=joint.friction or None,
-                armature=self.armature.get(joint.name) or None,
-                stiffness=spring["stiffness"] if spring else None,
-                springref=spring["rest"] if spring else None,
-            )
+    def _joint(self, joint: model.Joint, axis: Floats, pos: Floats) -> Iterator[str]:
+        self.order.append(joint.name)
+        yield from (f"<!--{each}-->" for each in self.comments.get(("joint", joint.name), []))
+        if joint.kind == "floating":
+            yield tag("freejoint", name=joint.name)
+            return
+        spring = self.springs.get(joint.name, {})
+        if joint.mimics is not None:
+            rule = (joint.offset, joint.multiplier, 0.0, 0.0, 0.0)
+            self.equalities.append(tag("joint", joint1=joint.name, joint2=joint.mimics, polycoef=rule))
+        yield tag(
+            "joint",
+            name=joint.name,
+            type="slide" if joint.kind == "prismatic" else "hinge",
+            pos=pos if pos.any() else None,
+            axis=axis,
+            range=self._range(joint),
+            actuatorfrcrange=self._effort(joint),
+            damping=joint.damping or None,
+            frictionloss=joint.friction or None,
+            armature=self.armature.get(joint.name) or None,
+            stiffness=spring.get("stiffness"),
+            springref=spring.get("rest"),
+        )
 
     def _range(self, joint: model.Joint) -> tuple[float, float] | None:
         if joint.velocity is not None:
@@ -258,38 +230,31 @@ class _Writer:
 
     def _mesh(self, each: Geometry) -> str | None:
         """Return the asset of a mesh; None if there is no file that MuJoCo reads."""
-        named = each.filename or ""
-        path = self.description.search.find(named)
-        if path is None or named in self.unread:
-            self.unread.setdefault(named, "is not found")
+        named, path = each.filename or "", self.description.search.find(each.filename or "")
+        if path is None:
+            self._lose("meshes that are not found", named)
             return None
-        file, stem = os.path.relpath(path, self.folder).replace(os.sep, "/"), os.path.splitext(path.name)[0]
+        file = os.path.relpath(path, self.folder).replace(os.sep, "/")
         if not _readable(str(path)):
             if not self.convert:
-                self.unread[named] = "MuJoCo does not read it; --meshes writes it as STL"
+                self._lose("meshes that MuJoCo does not read, which --meshes writes as STL", named)
                 return None
             try:
-                file = self.made[named] if named in self.made else self._converted(named, str(path), stem)
+                file = self.converted.get(named) or self._stl(str(path), path.stem)
             except InputError as error:
-                self.unread[named] = str(error)
+                self._lose(f"a mesh that cannot be converted ({error})", named)
                 return None
-        key = (file, each.scale)
-        if key not in self.assets:
-            taken = set(self.assets.values())
-            self.assets[key] = next(
-                n for k in range(len(taken) + 1) if (n := f"{stem}{f'_{k}' if k else ''}") not in taken
-            )
-        return self.assets[key]
+            self.converted[named] = file
+        return self.assets.setdefault((file, each.scale), free_name(path.stem, set(self.assets.values())))
 
-    def _converted(self, named: str, path: str, stem: str) -> str:
+    def _stl(self, path: str, stem: str) -> str:
         corners = load_triangles(path).array()
         if len(corners) > _MOST_FACES:
             raise InputError(f"has {len(corners)} faces, and MuJoCo reads {_MOST_FACES}", file=path)
         record = np.zeros(len(corners), dtype=[("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("more", "<u2")])
         record["corners"] = corners
-        name = next(n for k in range(len(self.files) + 1) if (n := f"{MESHES}/{stem}{k or ''}.stl") not in self.files)
-        self.files[name] = b"written by robodyn".ljust(80) + np.uint32(len(corners)).tobytes() + record.tobytes()
-        self.made[named] = name
+        name = f"{MESHES}/{free_name(stem, {file[len(MESHES) + 1 : -4] for file in self.files})}.stl"
+        self.files[name] = b"written by robodyn".ljust(80) + len(corners).to_bytes(4, "little") + record.tobytes()
         return name
 
     def _loop(self, loop: dict[str, Any]) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 from xml.sax.saxutils import escape
 
@@ -192,19 +192,13 @@ def _constraints(description: Description) -> tuple[list[tuple[str, str]], list[
         if loop["to"] not in names or loop.get("directions"):
             lost.append(f"the loop {loop['name']}, to the ground or held along some directions")
             continue
-        lines.append((loop["name"], _constraint(loop)))
+        kind, rpy = loop["kind"], loop.get("rpy") if loop["kind"] == "weld" else None
+        inner = [tag("constraint", ">", name=loop["name"], type=_LOOPS[kind])]
+        for role, end, point, axis, turn in (
+            ("parent", "to", "to_point", "to_axis", rpy),
+            ("child", "link", "point", "axis", None),
+        ):
+            inner += [tag(role, link=loop[end]), tag(f"{role}_origin", xyz=loop.get(point, parts.ZERO), rpy=turn)]
+            inner += [tag(f"{role}_axis", xyz=loop[axis])] if kind == "hinge" else []
+        lines.append((loop["name"], "".join([*inner, "</constraint>"])))
     return lines, lost
-
-
-def _constraint(loop: Mapping[str, Any]) -> str:
-    kind, zero = loop["kind"], parts.ZERO
-    hinge = kind == "hinge"
-    inner = [
-        tag("parent", link=loop["to"]),
-        tag("parent_origin", xyz=loop.get("to_point", zero), rpy=loop.get("rpy", zero) if kind == "weld" else None),
-        tag("parent_axis", xyz=loop["to_axis"]) if hinge else "",
-        tag("child", link=loop["link"]),
-        tag("child_origin", xyz=loop.get("point", zero)),
-        tag("child_axis", xyz=loop["axis"]) if hinge else "",
-    ]
-    return tag("constraint", ">", name=loop["name"], type=_LOOPS[kind]) + "".join(inner) + "</constraint>"

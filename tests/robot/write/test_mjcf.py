@@ -10,6 +10,7 @@ import pytest
 from helpers.example_robots import PATHS, path_of
 
 import robodyn
+from robodyn.comparison.compare import compare
 from robodyn.errors import DescriptionError
 from robodyn.robot.kinematics import link_poses
 from robodyn.robot.load import load, load_description
@@ -118,6 +119,17 @@ def test_impossible_robots_are_refused_by_name(stem):
         write_mjcf(model.description, "robot.xml")
 
 
+@pytest.mark.parametrize("path", [pytest.param(path, id=path.stem, marks=MARKS[path.stem]) for path in POSSIBLE])
+def test_nothing_differs_but_what_is_said(path, tmp_path):
+    model = load(path)
+    written = write_mjcf(without_shapes(described(model.description, robodyn.scene_of(model))[0]), "robot.xml")
+    (tmp_path / "robot.xml").write_bytes(written.data)
+    kinds = {each.kind for each in compare(model, load(tmp_path / "robot.xml")).differences}
+    said = {"order": "the order of the file in q", "limit": "ranges with one end, or without room between the ends"}
+    said["limit "] = "effort limits of 0 or less"
+    assert kinds <= {kind.strip() for kind, what in said.items() if any(line.startswith(what) for line in written.lost)}
+
+
 BOB = "<inertial><mass value='{}'/><inertia ixx='{}' ixy='0' ixz='0' iyy='{}' iyz='0' izz='{}'/></inertial>"
 ARM = """<robot name='r'><link name='base'/><link name='bob'>{}</link>
 <joint name='j' type='{}'><parent link='base'/><child link='bob'/><axis xyz='0 1 0'/></joint></robot>"""
@@ -223,6 +235,17 @@ def test_what_a_scene_says_goes_along(tmp_path):
     assert worst(m, model, scene) < 1e-12
 
 
+def test_the_ground_of_mjcf_has_no_mass_and_free_joints_no_other_parent():
+    text = ARM.format(BOB.format(1, 1, 1, 1), "floating")
+    heavy = text.replace("<link name='base'/>", f"<link name='base'>{BOB.format(1, 1, 1, 1)}</link>")
+    with pytest.raises(DescriptionError, match="joint 'j' floats on link 'base'"):
+        write_mjcf(load_description(heavy.encode()), "robot.xml")
+    with pytest.raises(DescriptionError, match="link 'world' has mass or moves, and is the ground in MJCF"):
+        write_mjcf(load_description(heavy.replace("base", "world").encode()), "robot.xml")
+    written = write_mjcf(load_description(text.encode()), "robot.xml")
+    assert "names of links that are the world: 'base'" in written.lost
+
+
 def test_what_cannot_be_said_is_listed():
     model = load(ROBOTS / "gripper.urdf")
     written = write_mjcf(model.description, "robot.xml")
@@ -285,9 +308,9 @@ def test_meshes_are_named_from_the_output_and_converted_on_demand(tmp_path):
     (tmp_path / "out").mkdir()
     out = str(tmp_path / "out" / "arm.xml")
     written = write_mjcf(description, out)
-    assert [line for line in written.lost if line.startswith("mesh")] == [
-        "mesh meshes/part.ply: MuJoCo does not read it; --meshes writes it as STL",
-        "mesh meshes/part.dae: is not found",
+    assert [line for line in written.lost if line.startswith("meshes")] == [
+        "meshes that MuJoCo does not read, which --meshes writes as STL: 'meshes/part.ply'",
+        "meshes that are not found: 'meshes/part.dae'",
     ]
     (tmp_path / "out" / "arm.xml").write_bytes(written.data)
     m = mujoco.MjModel.from_xml_path(out)
