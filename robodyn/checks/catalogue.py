@@ -19,6 +19,12 @@ CODES = tuple(rule.code for rule in RULES)
 
 _LEAST = 3
 """Characters of a code that say of which kind a rule is: RD2."""
+ALL, DEFAULT = "ALL", "DEFAULT"
+WORDS = (ALL, DEFAULT)
+"""What may be selected beside codes: every finding of every rule; those that are errors or likely defects."""
+BY_CODE = {rule.code: rule for rule in RULES}
+
+Codes = tuple[str, ...]
 
 
 def found_by(text: str, rules: Sequence[Rule]) -> tuple[Rule, ...]:
@@ -50,14 +56,6 @@ def instead_of(given: str, rules: Sequence[Rule]) -> str:
     if near:
         return f"did you mean {shown(near[0])}?"
     return "give codes such as RD207, or their beginnings such as RD2; robodyn rule WORD finds them"
-
-
-ALL, DEFAULT = "ALL", "DEFAULT"
-WORDS = (ALL, DEFAULT)
-"""What may be selected beside codes: every finding of every rule; those that are errors or likely defects."""
-BY_CODE = {rule.code: rule for rule in RULES}
-
-Codes = tuple[str, ...]
 
 
 def rules_for(select: Codes, ignore: Codes) -> tuple[Rule, ...]:

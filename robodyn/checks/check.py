@@ -51,6 +51,8 @@ if TYPE_CHECKING:
 
 __all__ = ["STANDARD", "Options"]
 Source = str | os.PathLike[str] | bytes
+_MOST_HUNG_ON = 16
+"""Links of others that a part may hang on."""
 
 
 def check(
@@ -277,10 +279,6 @@ def select_findings(every: Sequence[Finding], options: Options) -> Found:
 def check_one(source: Source, options: Options = STANDARD, name: str | None = None) -> tuple[Finding, ...]:
     """Return every place that the rules find in one file, or in its expansion, in the order of the text."""
     return _findings(*_read(source, options, name), options)
-
-
-_MOST_HUNG_ON = 16
-"""Links of others that a part may hang on."""
 
 
 def _read(source: Source, options: Options, name: str | None) -> tuple[Document, Expansion | None]:

@@ -2,6 +2,13 @@
 
 from __future__ import annotations
 
+SRDF = """<robot name="arm">
+  <group name="all"><joint name="shoulder"/></group>
+  <group_state name="home" group="all"><joint name="shoulder" value="0"/></group_state>
+  <disable_collisions link1="base" link2="upper" reason="Adjacent"/>
+</robot>
+"""
+
 
 def inertia(entries: str) -> str:
     """Return <inertia> with the six entries between blanks, ixx ixy ixz iyy iyz izz."""
@@ -156,11 +163,3 @@ def two_elbows(right: str = "0.1 -0.05 0.3") -> str:
         for side, xyz in sides
     )
     return two_arms().replace("</robot>", f"{more.lstrip()}\n</robot>")
-
-
-SRDF = """<robot name="arm">
-  <group name="all"><joint name="shoulder"/></group>
-  <group_state name="home" group="all"><joint name="shoulder" value="0"/></group_state>
-  <disable_collisions link1="base" link2="upper" reason="Adjacent"/>
-</robot>
-"""

@@ -27,6 +27,7 @@ _NUMBER = re.compile(r"(?<![\w.])[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?(?![\w
 _NAME = re.compile(r"(?<!\w)(['\"]).*?\1(?!\w)")
 _LIST = re.compile(r"#(?:, #)+(?:, \.\.\. \(# in all\)| and # more)?")
 _MORE = re.compile(r" \(and (?:\d+|#) more[^()]*\)")
+VERSION = 1
 
 
 def without_numbers(text: str) -> str:
@@ -119,9 +120,6 @@ def deduplicate(findings: Sequence[Finding], rules: Mapping[str, Rule]) -> list[
                 causes.setdefault(id(other), f"{found[0].what} ({code})")
     kept = (finding for finding in findings if id(finding) not in dropped)
     return [replace(one, cause=one.cause or causes.get(id(one))) if id(one) in causes else one for one in kept]
-
-
-VERSION = 1
 
 
 class Identity(NamedTuple):

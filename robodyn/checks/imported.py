@@ -37,6 +37,16 @@ Held = Mapping[str, Any]
 """What a program holds. `bodies`: by name mass [kg], centre of mass [m] and moments about it in the frame of the link
 (xx, xy, xz, yy, yz, zz) [kg m^2]; `joints`: by name `limits` and `friction`; `free`: bodies that float; `coupled`: the
 joints that mimic others, of MuJoCo; `shapes`: how many of each kind."""
+_CHANGED = 1e-6
+"""Relative, or m, from which a number is another one."""
+
+
+_FUSED, _DROPPED, _WORLD = "fuses {} with what carries them", "drops {}", "makes {} a part of the world, without mass"
+_MOST = 3
+_LONGEST = 300
+_SAYS = {Verdict.LOADS: "loads it as it is", Verdict.ALTERS: "loads it with changes", Verdict.REJECTS: "rejects it"}
+_LISTED = 12
+EXTRA = "importers"
 
 
 def answer(context: Context, target: str) -> tuple[str | None, str | None, Held | None]:
@@ -177,13 +187,6 @@ def _in_drake(file: str, packages: Mapping[str, str]) -> Any:
     }
 
 
-_CHANGED = 1e-6
-"""Relative, or m, from which a number is another one."""
-
-
-_FUSED, _DROPPED, _WORLD = "fuses {} with what carries them", "drops {}", "makes {} a part of the world, without mass"
-
-
 def differences(context: Context, held: Held) -> Iterator[tuple[Found, str]]:
     """Yield what a program holds otherwise than the description says: where, and what."""
     bodies, found = held["bodies"], dict[str, list[Found]]()
@@ -253,11 +256,6 @@ def _changed(context: Context, links: Sequence[LinkView], held: Sequence[float])
     return None
 
 
-_MOST = 3
-_LONGEST = 300
-_SAYS = {Verdict.LOADS: "loads it as it is", Verdict.ALTERS: "loads it with changes", Verdict.REJECTS: "rejects it"}
-
-
 def verdict_of(context: Context, target: str) -> Fault:
     """What a program makes of a file. From stage TREE on. Of an installed one it is what it refuses or changes; of
     others the facts with the worst verdict that the table has, and that hold for all versions."""
@@ -288,7 +286,3 @@ def verdict_of(context: Context, target: str) -> Fault:
     at = places[0][0] if places else context.view.root.span
     severity = Severity.ERROR if verdict is Verdict.REJECTS else Severity.NOTE
     return Fault(at, what, "; ".join(known) or "nothing to do", subject=None, severity=severity)
-
-
-_LISTED = 12
-EXTRA = "importers"

@@ -29,6 +29,9 @@ _ROUNDING = 1e-15
 _LEAST_GAZEBO = 1e-6
 """kg."""
 _LIMITED = ("revolute", "continuous", "prismatic")
+Found = tuple[Span, str]
+"""A place, and what is there."""
+Find = Callable[[Context], Iterable[Found]]
 
 
 class Verdict(IntEnum):
@@ -37,11 +40,6 @@ class Verdict(IntEnum):
     LOADS = 0
     ALTERS = 1
     REJECTS = 2
-
-
-Found = tuple[Span, str]
-"""A place, and what is there."""
-Find = Callable[[Context], Iterable[Found]]
 
 
 class Fact(NamedTuple):

@@ -52,6 +52,15 @@ _SWAPS = tuple(
         (r"(?<=[a-z0-9])L(?![A-Za-z])", "R"),
     )
 )
+Names = tuple[str, str]
+"""Of a left and a right link."""
+_NEAR = 2e-3
+"""How far a frame may be from its mirror image, relative to the robot's size."""
+_SQUARE = [
+    np.eye(3)[list(order)] * signs for order in permutations(range(3)) for signs in product_of((1, -1), repeat=3)
+]
+_ROTATIONS, _REFLECTIONS = ([D for D in _SQUARE if np.linalg.det(D) * sign > 0] for sign in (1, -1))
+"""Those that carry axes to axes."""
 
 
 def named_pairs(names: Collection[str]) -> Iterator[tuple[str, str]]:
@@ -63,12 +72,6 @@ def named_pairs(names: Collection[str]) -> Iterator[tuple[str, str]]:
         other = next((other for other in swapped if other != name and other in known), None)
         if other is not None:
             yield name, other
-
-
-Names = tuple[str, str]
-"""Of a left and a right link."""
-_NEAR = 2e-3
-"""How far a frame may be from its mirror image, relative to the robot's size."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -300,13 +303,6 @@ def _hung_on(name: str, outward: Sequence[str], above: Mapping[str, Joint]) -> s
         if above[each].parent in hung:
             hung.add(each)
     return hung
-
-
-_SQUARE = [
-    np.eye(3)[list(order)] * signs for order in permutations(range(3)) for signs in product_of((1, -1), repeat=3)
-]
-_ROTATIONS, _REFLECTIONS = ([D for D in _SQUARE if np.linalg.det(D) * sign > 0] for sign in (1, -1))
-"""Those that carry axes to axes."""
 
 
 class _Content(NamedTuple):

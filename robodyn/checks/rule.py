@@ -26,6 +26,12 @@ from robodyn.robot.urdf.document import BOM, Document, Element, Span
 from robodyn.robot.urdf.edits import Edit
 from robodyn.robot.urdf.view import Subject
 
+_BEFORE, _AFTER = 60, 60
+"""Bytes that are shown before and after a finding, at most; its first `_AFTER` count."""
+__all__ = ["Context", "Edit"]
+HERE = Subject("", "")
+"""The link or joint in which a fault is."""
+
 
 class Severity(Enum):
     """ERROR fails the check, WARNING fails it with `--strict`, NOTE is a remark."""
@@ -109,10 +115,6 @@ class Finding:
         return (replace(self, others=()), *self.others) if self.others else (self,)
 
 
-_BEFORE, _AFTER = 60, 60
-"""Bytes that are shown before and after a finding, at most; its first `_AFTER` count."""
-
-
 def excerpt(reading: Document, at: Span) -> Excerpt:
     """Return the line in which the span begins, without its indent, and cut where it is long."""
     data = reading.data
@@ -128,9 +130,6 @@ def excerpt(reading: Document, at: Span) -> Excerpt:
     return Excerpt(shown, len(before), max(min(len(within), len(text)), 1))
 
 
-__all__ = ["Context", "Edit"]
-
-
 class Stage(IntEnum):
     """How far the reading must have come for a rule to run; see above."""
 
@@ -138,10 +137,6 @@ class Stage(IntEnum):
     DOCUMENT = 1
     TREE = 2
     MODEL = 3
-
-
-HERE = Subject("", "")
-"""The link or joint in which a fault is."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -36,6 +36,11 @@ _LEAST_WORK = 500_000
 """Bytes of XML in files that take longer to check than processes take to start: half a second."""
 _MESH = 5_000
 """Bytes of XML that take as long as a mesh of usual size, read anew."""
+_INCLUDE = re.compile(rb"""<(?:xacro:)?include\s[^<>]*?filename\s*=\s*["']([^"'<]+)["']""")
+_FIND = re.compile(r"\$\(find ([^)]*)\)")
+_MOST_SOURCE = 1 << 24
+NAMES = ("robodyn.toml", "pyproject.toml")
+"""What is looked for in each folder, in this order."""
 
 
 def related_descriptions(path: str) -> list[str]:
@@ -75,11 +80,6 @@ def _including(parts: Path) -> set[Path]:
     for one in reached:
         reached += sorted(above[one].difference(reached))
     return {file for file in reached[1:] if not above[file] and not only_defines(str(file))}
-
-
-_INCLUDE = re.compile(rb"""<(?:xacro:)?include\s[^<>]*?filename\s*=\s*["']([^"'<]+)["']""")
-_FIND = re.compile(r"\$\(find ([^)]*)\)")
-_MOST_SOURCE = 1 << 24
 
 
 def includers(files: Iterable[Path]) -> dict[Path, set[Path]]:
@@ -217,10 +217,6 @@ def each_in_a_process(work: Callable[..., R], calls: Sequence[tuple[Any, ...]]) 
                 other, outcome = next(done)
                 found[other] = InputError(str(outcome)) if isinstance(outcome, Death) else outcome
             yield found.pop(number)
-
-
-NAMES = ("robodyn.toml", "pyproject.toml")
-"""What is looked for in each folder, in this order."""
 
 
 @dataclass(frozen=True)

@@ -29,6 +29,12 @@ _FILLED = 0.35
 """Volume of a part over that of the box around it: the median of meshes of published robots."""
 _LEAST_FILLED = 0.03
 """Volume over the box's below which a surface that is not closed encloses nothing definite."""
+_LEAST_SHARE = 0.01
+_MASS = 1e-6
+"""Relative difference of masses that are the same."""
+_NEAR = 1e-3
+"""Metres between centres of mass that are the same."""
+_EXACT = 0.02
 
 
 @dataclass(frozen=True, eq=False)
@@ -205,14 +211,6 @@ def _solid(shape: GeometryView, box: Box, facts: Mapping[str, MeshFacts]) -> Uni
         if volume < _LEAST_FILLED * float(sides.prod()) or (np.diagonal(S) > most).any():
             return None
     return Uniform(volume, c, S)
-
-
-_LEAST_SHARE = 0.01
-_MASS = 1e-6
-"""Relative difference of masses that are the same."""
-_NEAR = 1e-3
-"""Metres between centres of mass that are the same."""
-_EXACT = 0.02
 
 
 @dataclass(frozen=True, slots=True, eq=False)

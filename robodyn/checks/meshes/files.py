@@ -35,6 +35,15 @@ _LARGEST_OPEN = 50_000
 """Triangles up to which the gaps of an open surface are looked at: a quarter of a second."""
 _SHARD = 1 << 20
 """Bytes kept in each of 256 folders: a few thousand meshes, listed in no time."""
+_LONGEST, _SHORTEST = 20.0, 1e-3
+"""Metres beyond which no part of a robot is; and, for such ones, of its sizes over the reach of the robot's joints."""
+_TIMES, _MINUTE = 20.0, 100.0
+_TWIN = (300.0, 3000.0)
+"""Ratio of a link's meshes that a factor of 1000 between them explains."""
+_UNEVEN = (900.0, 1100.0)
+_KILOMETRES = 900.0
+"""A scale in all axes that no file asks for: of 86 published robots none has more than 1."""
+_FLAT = 1e-2
 
 
 @dataclass(frozen=True, slots=True)
@@ -207,16 +216,6 @@ def extremes(path: Path, digest: str) -> Floats | None:
     return points
 
 
-_LONGEST, _SHORTEST = 20.0, 1e-3
-"""Metres beyond which no part of a robot is; and, for such ones, of its sizes over the reach of the robot's joints."""
-_TIMES, _MINUTE = 20.0, 100.0
-_TWIN = (300.0, 3000.0)
-"""Ratio of a link's meshes that a factor of 1000 between them explains."""
-_UNEVEN = (900.0, 1100.0)
-_KILOMETRES = 900.0
-"""A scale in all axes that no file asks for: of 86 published robots none has more than 1."""
-
-
 class State(Enum):
     FOUND = "there"
     OTHER_CASE = "there in another case"
@@ -387,9 +386,6 @@ def longest(geometry: GeometryView, context: Context) -> float | None:
     if known is None or known.problem is not None or scale is None or not all(scale):
         return None
     return max(abs(factor) * (hi - lo) for factor, lo, hi in zip(scale, known.lo, known.hi, strict=True))
-
-
-_FLAT = 1e-2
 
 
 def is_ground(geometry: GeometryView, context: Context) -> bool:
