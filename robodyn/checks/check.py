@@ -259,13 +259,10 @@ def found_in(source: Source, options: Options = STANDARD, name: str | None = Non
 
 
 def _judged(reading: Document, expansion: Expansion | None, options: Options) -> Found:
-    return replace(select_findings(_findings(reading, expansion, options), options), content=_digest(reading))
-
-
-def _digest(reading: Document) -> str:
     elements = [] if reading.robot is None else reading.root.walk()
-    written = [(one.tag, sorted((name, each.value) for name, each in one.attributes.items())) for one in elements]
-    return sha256(repr(written).encode("utf-8", "surrogatepass")).hexdigest()
+    written = [(one.tag, sorted((key, each.value) for key, each in one.attributes.items())) for one in elements]
+    content = sha256(repr(written).encode("utf-8", "surrogatepass")).hexdigest()
+    return replace(select_findings(_findings(reading, expansion, options), options), content=content)
 
 
 def select_findings(every: Sequence[Finding], options: Options) -> Found:

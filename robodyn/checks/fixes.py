@@ -25,23 +25,22 @@ SAME = 64 * 2.0**-52
 def together(findings: Iterable[Finding], safe: bool) -> Pairs:
     """Return fixes that do not touch each other, the earlier in the text first, then the lower code; each with all its
     edits or not at all."""
+
+    def touch(a: Edit, b: Edit) -> bool:
+        if a.start == a.end or b.start == b.end:  # at a border of the other nothing is inserted, either
+            return a.start <= b.end and b.start <= a.end
+        return a.start < b.end and b.start < a.end
+
     offered = [(finding, finding.fix) for finding in findings if finding.fix is not None and finding.fix.safe is safe]
     offered.sort(key=lambda pair: (min(edit.start for edit in pair[1].edits), pair[0].code, pair[0].start))
     chosen, taken = Pairs(), list[Edit]()
     for finding, fix in offered:
         edits = sorted(fix.edits, key=lambda edit: edit.start)
         others = [(edit, other) for edit in edits for other in taken]
-        if not any(_touch(*both) for both in (*pairwise(edits), *others)):
+        if not any(touch(*both) for both in (*pairwise(edits), *others)):
             chosen.append((finding, fix))
             taken += edits
     return chosen
-
-
-def _touch(a: Edit, b: Edit) -> bool:
-    """Return whether they overlap, or one inserts at a border of the other."""
-    if a.start == a.end or b.start == b.end:
-        return a.start <= b.end and b.start <= a.end
-    return a.start < b.end and b.start < a.end
 
 
 @dataclass(frozen=True)
@@ -89,10 +88,14 @@ def fixed(data: bytes, file: str, check: Check, *, unsafe: bool = False) -> Fixe
     which the link has another error or warning, and it is computed what they change. Then `check` looks at the text
     again, until nothing is left.
     """
+
+    def unchanged(offered: Iterable[tuple[Finding, Fix]], why: str) -> Fixed:
+        return Fixed(file, data, data, (), tuple(Refused(finding, fix, why) for finding, fix in offered))
+
     reading = read(data, file)
     if reading.data != data:
         offered = ((finding, finding.fix) for finding in check(data) if finding.fix is not None)
-        return _unchanged(file, data, offered, "the file is UTF-16; save it as UTF-8 first")
+        return unchanged(offered, "the file is UTF-16; save it as UTF-8 first")
     text, made = data, list[Made]()
     for _ in range(ROUNDS):
         findings, before = check(text), text
@@ -105,12 +108,7 @@ def fixed(data: bytes, file: str, check: Check, *, unsafe: bool = False) -> Fixe
             made += unsafely
         if text == before:
             return Fixed(file, data, text, tuple(made), tuple(refused))
-    why = f"the fixes do not settle in {ROUNDS} rounds"
-    return _unchanged(file, data, ((one.finding, one.fix) for one in made), why)
-
-
-def _unchanged(file: str, data: bytes, offered: Iterable[tuple[Finding, Fix]], why: str) -> Fixed:
-    return Fixed(file, data, data, (), tuple(Refused(finding, fix, why) for finding, fix in offered))
+    return unchanged(((one.finding, one.fix) for one in made), f"the fixes do not settle in {ROUNDS} rounds")
 
 
 def _safely(text: bytes, pairs: Pairs, encoding: str) -> tuple[bytes, list[Made], list[Refused]]:

@@ -99,6 +99,8 @@ def answer(context: Context, target: str) -> tuple[str | None, str | None, Held 
 
 def serve(target: str, file: str, packages: str) -> None:
     """Read a file, and write in JSON why it is refused, and what is held of it; what is printed goes nowhere."""
+    from xml.etree import ElementTree
+
     out, refused, held = os.dup(1), None, None
     os.dup2(2, 1)
 
@@ -112,21 +114,15 @@ def serve(target: str, file: str, packages: str) -> None:
     except (Exception, SystemExit) as error:  # the latter is how Drake ends a process
         refused = " ".join(str(error).split())
         with suppress(Exception, SystemExit):
-            held = {**read(_without_shapes(file)), "shapes": {}}
+            tree = ElementTree.parse(file)
+            for link in tree.iter("link"):
+                for shape in (*link.findall("visual"), *link.findall("collision")):
+                    link.remove(shape)
+            tree.write("without_shapes.urdf", "utf-8")
+            held = {**read("without_shapes.urdf"), "shapes": {}}
     with os.fdopen(out, "w") as stream:
         json.dump([refused, held], stream)
     os._exit(0)
-
-
-def _without_shapes(file: str) -> str:
-    from xml.etree import ElementTree
-
-    tree = ElementTree.parse(file)
-    for link in tree.iter("link"):
-        for shape in (*link.findall("visual"), *link.findall("collision")):
-            link.remove(shape)
-    tree.write("without_shapes.urdf", "utf-8")
-    return "without_shapes.urdf"
 
 
 def _in_mujoco(file: str) -> Any:

@@ -8,7 +8,6 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import permutations
 from itertools import product as product_of
-from operator import attrgetter
 from statistics import median
 from typing import NamedTuple
 
@@ -92,7 +91,6 @@ class Plane:
         return moved
 
 
-_file = attrgetter("filename")
 _SAME_PART = 1e-4
 """How far a primitive may be from the place of its mirror image, to tell nothing [m]."""
 _DIGITS, _LEAST_PRODUCT = 1e-9, 1e-3
@@ -135,7 +133,8 @@ class Pair:
             meshes = [[shape for shape in shapes if shape.shape == "mesh"] for shapes in (one, other)]
             if any(meshes):
                 first, its = (shapes[0] if shapes else None for shapes in meshes)
-                if first is None or its is None or [*map(_file, meshes[0])] != [*map(_file, meshes[1])]:
+                names = [[shape.filename for shape in shapes] for shapes in meshes]
+                if first is None or its is None or names[0] != names[1]:
                     return None
                 if not np.allclose(np.abs(first.scale), np.abs(its.scale), rtol=1e-6, atol=0.0) or 0.0 in first.scale:
                     return None
@@ -390,21 +389,13 @@ def _mirror(named: Sequence[Names], p: Mapping[str, Floats], above: Mapping[str,
             there = np.linalg.norm(images - right_step, axis=1) <= near
             there &= np.abs(product(left_step - right_step, normal)) > near
             within = {link for link in carriers if length(plane.image(p[link]) - p[link]) <= near}
-            rooted = frozenset(_rooted(named, above, within))
+            rooted = set[Names]()  # those whose joints hang on one link within, or on the two of another such pair
+            for names, (one, other) in zip(named, over, strict=True):
+                rooted |= {names} if (one, other) in rooted or (one == other and one in within) else set()
             count = sum(yes and names in rooted for names, yes in zip(named, there.tolist(), strict=True)), there.sum()
             if count > most:
                 best, most = plane, count
     return best
-
-
-def _rooted(found: Collection[Names], above: Mapping[str, Joint], within: Collection[str] | None = None) -> list[Names]:
-    """The pairs, given outward, whose joints hang on one link, of those within; or on the two of another such pair."""
-    kept: dict[Names, None] = {}
-    for names in found:
-        over = above[names[0]].parent, above[names[1]].parent
-        if over in kept or (over[0] == over[1] and (within is None or over[0] in within)):
-            kept[names] = None
-    return list(kept)
 
 
 def is_square(D: Floats) -> bool:
@@ -494,16 +485,12 @@ def twins(context: Context) -> tuple[Twins, ...]:
                 for way, near, far in ((pair, left, right), (pair.turned, right, left))
                 if near <= _FARTHER * far + _LITTLE
             ]
-        found += [one for way in ways if (one := _twins(context, way)) is not None]
+        for way in ways:
+            one, its, link = way.left.inertial, way.right.inertial, context.view.link[way.right.name]
+            if one is not None and its is not None and link.inertial is not None and one.mass > 0 and its.mass > 0:
+                (c, I), (c_right, I_right), masses = way.reflected(one), link_inertia(its), (one.mass, its.mass)
+                found.append(Twins(way, link, link.inertial, masses, c, I / one.mass, c_right, I_right / its.mass))
     return tuple(found)
-
-
-def _twins(context: Context, pair: Pair) -> Twins | None:
-    left, right, link = pair.left.inertial, pair.right.inertial, context.view.link[pair.right.name]
-    if left is None or right is None or link.inertial is None or not (left.mass > 0 and right.mass > 0):
-        return None
-    (c, I), (c_right, I_right), masses = pair.reflected(left), link_inertia(right), (left.mass, right.mass)
-    return Twins(pair, link, link.inertial, masses, c, I / left.mass, c_right, I_right / right.mass)
 
 
 def _from_shapes(context: Context, link: Link) -> float | None:

@@ -155,7 +155,15 @@ def files_of(sources: Sequence[str | os.PathLike[str] | bytes], including: bool 
 
 def _expanded(path: str, including: bool) -> list[str]:
     if os.path.isdir(path):
-        return _in_folder(path)
+        urdfs, xacros = ([os.path.join(path, name) for name in _below(path, suffix)] for suffix in (".urdf", ".xacro"))
+        if not urdfs and not xacros:
+            raise InputError("no .urdf and no .xacro in the folder", remedy="check the name", file=path)
+        above = includers(Path(file).absolute() for file in xacros)
+        parts = [file for file in xacros if above[Path(file).absolute()] or only_defines(file)]
+        if parts:
+            what = count(len(parts), "xacro file is part of others", "xacro files are parts of others")
+            warn(f"{path}: {what}, judged where they are included: {listed_paths(parts)}", RobodynWarning, stacklevel=2)
+        return sorted({*urdfs, *xacros}.difference(parts))
     if not os.path.isfile(path) and (os.path.exists(path) or not glob.has_magic(path)):
         return [path]
     if os.path.isfile(path):
@@ -169,20 +177,6 @@ def _expanded(path: str, including: bool) -> list[str]:
     if not names:
         raise InputError("nothing matches the pattern", remedy="check the name", file=path)
     return names
-
-
-def _in_folder(folder: str) -> list[str]:
-    """Return the .urdf below a folder, and the .xacro that no other includes; of those that others do, or that only
-    define parts, a warning tells."""
-    urdfs, xacros = ([os.path.join(folder, name) for name in _below(folder, suffix)] for suffix in (".urdf", ".xacro"))
-    if not urdfs and not xacros:
-        raise InputError("no .urdf and no .xacro in the folder", remedy="check the name", file=folder)
-    above = includers(Path(file).absolute() for file in xacros)
-    parts = [file for file in xacros if above[Path(file).absolute()] or only_defines(file)]
-    if parts:
-        what = count(len(parts), "xacro file is part of others", "xacro files are parts of others")
-        warn(f"{folder}: {what}, judged where they are included: {listed_paths(parts)}", RobodynWarning, stacklevel=2)
-    return sorted({*urdfs, *xacros}.difference(parts))
 
 
 def _below(folder: str, suffix: str) -> list[str]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -85,30 +84,27 @@ def srdf(context: Context) -> Srdf | None:
     if path is None or document is None:
         return None
     virtual = {_FREE_BASE, *(child.get("name") for child in document.root.findall("virtual_joint"))}
-    used = tuple(named for named in _used(document.root) if named.kind == "link" or named.name not in virtual)
-    missing: dict[tuple[str, str], Named] = {}
-    for each in used:
-        if each.name not in (view.link if each.kind == "link" else view.joint):
-            missing.setdefault((each.kind, each.name), each)
-    return Srdf(document, path.stem == Path(file).stem, used, tuple(missing.values()))
-
-
-def own_srdf(context: Context) -> Srdf | None:
-    """The SRDF, unless it is another robot's, of which RD706 tells."""
-    found = context.once(srdf)
-    return None if found is None or found.is_of_another else found
-
-
-def _used(root: Element) -> Iterator[Named]:
-    for element in root.walk():
+    used = list[Named]()
+    for element in document.root.walk():
         uses = [("link", element, attribute) for attribute in _LINKS.get(element.tag, ())]
         if element.tag in _JOINTS:
             uses.append(("joint", element, _JOINTS[element.tag]))
         if element.tag in ("group", "group_state"):
             uses += [(kind, child, "name") for kind in ("link", "joint") for child in element.findall(kind)]
         for kind, one, attribute in uses:
-            if name := one.get(attribute):
-                yield Named(kind, name, one, attribute)
+            if (name := one.get(attribute)) and (kind == "link" or name not in virtual):
+                used.append(Named(kind, name, one, attribute))
+    missing: dict[tuple[str, str], Named] = {}
+    for each in used:
+        if each.name not in (view.link if each.kind == "link" else view.joint):
+            missing.setdefault((each.kind, each.name), each)
+    return Srdf(document, path.stem == Path(file).stem, tuple(used), tuple(missing.values()))
+
+
+def own_srdf(context: Context) -> Srdf | None:
+    """The SRDF, unless it is another robot's, of which RD706 tells."""
+    found = context.once(srdf)
+    return None if found is None or found.is_of_another else found
 
 
 def _document(path: Path) -> Document | None:

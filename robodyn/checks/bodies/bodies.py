@@ -63,7 +63,7 @@ Solids = Mapping[GeometryView, Solid]
 
 
 def solids(context: Context) -> Solids:
-    """Every shape whose size is known and not zero, and is no slip of units; none where the robot is one."""
+    """The boxes of all shapes whose size is known and not zero, and no slip of units; none where the robot is one."""
     return {} if context.once(other_unit) else context.once(_sized)
 
 
@@ -72,15 +72,23 @@ def _sized(context: Context) -> Solids:
     found = {}
     for link in context.view.links:
         for geometry in link.geometries:
-            where, box = pose(geometry.origin), _box(geometry, facts)
+            where, box = pose(geometry.origin), None
+            if geometry.tag == "mesh":
+                known, scale = facts.get(geometry.uri), geometry.scale.or_default(1.0, 1.0, 1.0)
+                if known is not None and known.problem is None and scale is not None and all(scale):
+                    ends = np.array((known.lo, known.hi)) * np.array(scale)
+                    box = Box(ends.min(axis=0), ends.max(axis=0))
+            elif geometry.sizes and all(size.values is not None for size in geometry.sizes):
+                half = half_size(geometry.tag, [side for size in geometry.sizes for side in size.values or ()])
+                box = Box(-half, half) if (half > 0).all() else None
             if where is not None and box is not None and geometry not in mistaken:
                 found[geometry] = Solid(box, where)
     return found
 
 
 def other_unit(context: Context) -> tuple[float, float] | None:
-    """How many times too large the robot is drawn, and the median of its links' masses over the boxes around their
-    shapes [kg/m^3]; None of one that is drawn in metres."""
+    """How many times too large a robot is drawn, and the median of its links' masses over the boxes around their shapes
+    [kg/m^3]; None of one in metres."""
     known, densities = context.once(_sized), list[float]()
     for link in context.view.links:
         box, mass = box_of(real_shapes(link), known, STILL), link.inertial.mass.value if link.inertial else None
@@ -91,21 +99,6 @@ def other_unit(context: Context) -> tuple[float, float] | None:
         return None
     middle = median(densities)
     return next(((by, middle) for by in (1e3, 1e-3) if _LIKELY[0] <= middle * by**3 <= _LIKELY[1]), None)
-
-
-def _box(geometry: GeometryView, facts: Mapping[str, MeshFacts]) -> Box | None:
-    """The box around a shape in its own axes [m]; None where it is not known, or has no size."""
-    if geometry.tag != "mesh":
-        sizes = [size.values for size in geometry.sizes]
-        if not sizes or None in sizes:
-            return None
-        half = half_size(geometry.tag, [length for values in sizes for length in values or ()])
-        return Box(-half, half) if (half > 0).all() else None
-    known, scale = facts.get(geometry.uri), geometry.scale.or_default(1.0, 1.0, 1.0)
-    if known is None or known.problem is not None or scale is None or not all(scale):
-        return None
-    ends = np.array((known.lo, known.hi)) * np.array(scale)
-    return Box(ends.min(axis=0), ends.max(axis=0))
 
 
 def box_of(shapes: Iterable[GeometryView], known: Solids, outer: Pose) -> Box | None:
@@ -123,18 +116,6 @@ def link_boxes(context: Context) -> Mapping[str, Box | None]:
 def around_known(boxes: Sequence[Box | None]) -> Box | None:
     found = [box for box in boxes if box is not None]
     return around(found) if found and len(found) == len(boxes) else None
-
-
-def group_boxes(context: Context) -> Mapping[Group, Box]:
-    """The box around each rigid group of which all shapes are known, in the frame of its first link."""
-    known, poses = context.once(solids), context.once(link_poses)
-    found = {}
-    for group in context.tree.groups:
-        shaped = ((real_shapes(link), poses.get(link.name)) for link in group.links)
-        box = around_known([box_of(shapes, known, at) if at else None for shapes, at in shaped if shapes])
-        if box is not None:
-            found[group] = box
-    return found
 
 
 def real_shapes(link: LinkView) -> list[GeometryView]:
@@ -253,8 +234,11 @@ class Body:
 
 def bodies(context: Context) -> Mapping[str, Body]:
     """The body of every link whose inertial has a positive mass and can be read, by name. From stage TREE on."""
-    own, poses, boxes = context.once(link_boxes), context.once(link_poses), context.once(group_boxes)
-    found = {}
+    own, poses, known = context.once(link_boxes), context.once(link_poses), context.once(solids)
+    found, boxes = {}, dict[Group, Box | None]()
+    for group in context.tree.groups:
+        shaped = ((real_shapes(link), poses.get(link.name)) for link in group.links)
+        boxes[group] = around_known([box_of(shapes, known, at) if at else None for shapes, at in shaped if shapes])
     for link in context.view.links:
         where = None if link.inertial is None else pose(link.inertial.origin)
         mass, tensor, S = link.mass, link.tensor, None
@@ -262,8 +246,8 @@ def bodies(context: Context) -> Mapping[str, Body]:
             continue
         if tensor is not None and all(map(isfinite, tensor)) and any(tensor):
             S = product(where.R, second_moments(symmetric(tensor)), where.R.T)
-        group = boxes.get(context.tree.group[link.name])
-        found[link.name] = Body(link, link.inertial, mass, where.p, S, own.get(link.name), group, poses[link.name])
+        box = boxes[context.tree.group[link.name]]
+        found[link.name] = Body(link, link.inertial, mass, where.p, S, own.get(link.name), box, poses[link.name])
     return found
 
 

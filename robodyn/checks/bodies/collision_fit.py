@@ -28,8 +28,6 @@ surround marks of 3 mm.
 _FITTING, _BETTER, _MUCH_BETTER = 0.2, 2.0, 3.0
 """Volume that a cylinder with its numbers exchanged shares with what is seen over that of both, and how many times that
 as it stands; below twice that volume much more. Of the same shapes two get better at all, from 0.32 to 0.5."""
-
-
 _ALIKE = 0.1
 """Sides of the boxes of two meshes of one part differ by less: one may be simplified."""
 _ASIDE, _LEAST = 0.15, 0.01
@@ -84,13 +82,13 @@ def misfits(context: Context) -> tuple[Misfit, ...]:
             continue
         one = _Link(link, felt, seen, box_of(felt, known, STILL), visual(link), known)
         own, box = one.seen_box, one.felt_box
-        corners = [] if own is None or box is None else [length(own.lo - box.lo), length(own.hi - box.hi)]
-        lost = _origin_lost(one)
-        if lost is not None:
+        if (lost := _origin_lost(one)) is not None:
             found.append(lost)
             continue
-        if own is not None and corners and len(felt) == 1 and max(corners) <= max(_ASIDE * size_of(own), _LEAST):
-            continue
+        if own is not None and box is not None and len(felt) == 1:
+            corners = length(own.lo - box.lo), length(own.hi - box.hi)
+            if max(corners) <= max(_ASIDE * size_of(own), _LEAST):
+                continue
         others = _foreign(one, visual, context), _aside(one), _scaled(one), _enormous(one, context), _exchanged(one)
         found += islice(chain(*others, _away(one), _unlike(one)), 1)
     return tuple(found)

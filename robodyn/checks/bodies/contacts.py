@@ -56,8 +56,7 @@ def rest_poses(context: Context) -> Mapping[str, Pose]:
 
 def joint_pose(joint: JointView) -> Pose | None:
     """The pose of the child in the parent's frame at rest; None where it cannot be read."""
-    fixed, q = pose(joint.origin), rest(joint)
-    axis = joint.axis.or_default(1.0, 0.0, 0.0)
+    fixed, axis, q = pose(joint.origin), joint.axis.or_default(1.0, 0.0, 0.0), rest(joint)
     if fixed is None or axis is None or not q or not any(axis):
         return fixed
     unit = np.array(axis) / length(np.array(axis))
@@ -67,10 +66,9 @@ def joint_pose(joint: JointView) -> Pose | None:
 
 
 def rest(joint: JointView) -> float:
-    reach = None if joint.limit is None else joint.limit.range
-    if joint.type not in ("revolute", "prismatic") or reach is None or reach[0] > reach[1]:
-        return 0.0
-    return min(max(0.0, reach[0]), reach[1])
+    ends = None if joint.limit is None else joint.limit.range
+    limited = joint.type in ("revolute", "prismatic") and ends is not None and ends[0] <= ends[1]
+    return min(max(0.0, ends[0]), ends[1]) if limited and ends is not None else 0.0
 
 
 class Contact(NamedTuple):
@@ -86,17 +84,12 @@ class Contact(NamedTuple):
         return self.gap <= _TOUCH * self.size
 
 
-def contacts(context: Context) -> Mapping[str, Contact]:
-    """By joint the gap between what is fixed to its child and what is fixed to its parent, or to the next body that has
-    shapes; without joints with a shape of unknown size on a side. From stage TREE on."""
-    sides = context.once(Sides)
-    found = {joint.name: sides.contact(joint, sides.poses.get(joint.child)) for joint in context.view.joints}
-    return {name: contact for name, contact in found.items() if contact is not None}
-
-
 def detached(context: Context) -> Mapping[str, tuple[Contact, float]]:
-    """By joint the contacts with a gap, and the most that it may be, where nearly all others have none [m]."""
-    known = context.once(contacts)
+    """By joint the contacts with a gap, and the most that it may be, where nearly all others have none [m]: between
+    what is fixed to its child and to its parent, or to the next body that has shapes. From stage TREE on."""
+    sides = context.once(Sides)
+    each = ((joint.name, sides.contact(joint, sides.poses.get(joint.child))) for joint in context.view.joints)
+    known = {name: contact for name, contact in each if contact is not None}
     apart = [name for name, contact in known.items() if not contact.touches]
     others, found = len(known) - 1, {}
     for name in apart:

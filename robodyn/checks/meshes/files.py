@@ -356,44 +356,35 @@ def mesh_slips(context: Context) -> Mapping[GeometryView, UnitSlip]:
 
     @cache
     def twin(link: LinkView, kind: str) -> float | None:
-        """The longest side of the largest mesh of a link that is of another kind, collision or visual."""
-        sides = (longest(other, context) for other in link.geometries if other.kind != kind)
-        return max((side for side in sides if side is not None), default=None)
+        """The longest side of the meshes of a link that are of another kind, collision or visual."""
+        return max((side for one in link.geometries if one.kind != kind for side in _sides(one, context)), default=None)
 
     for name in context.once(mesh_names).values():
         for use in name.uses:
-            side = longest(use.geometry, context)
+            sides = _sides(use.geometry, context)
             sizes = sorted(map(abs, use.geometry.scale.or_default(1.0, 1.0, 1.0) or (1.0,)))
-            if side is None:
+            if not sides:
                 if sizes[0] >= _KILOMETRES:
                     how = f"a scale of {sizes[0]:g} is for a file in kilometres"
                     found[use.geometry] = UnitSlip(name, sizes[0], 1e3, how)
                 continue
-            if is_ground(use.geometry, context):
-                continue
-            mistaken = _mistaken(side, twin(use.link, use.geometry.kind), around)
+            if sides[2] > _LONGEST and sides[0] <= _FLAT * sides[1]:
+                continue  # a floor, or what stands on one
+            mistaken = _mistaken(sides[2], twin(use.link, use.geometry.kind), around)
             if mistaken is None and sizes[0] > 0 and _UNEVEN[0] <= sizes[-1] / sizes[0] <= _UNEVEN[1]:
                 mistaken = sizes[-1] / sizes[0], "its scale differs by a factor of 1000 between axes"
             if mistaken is not None:
-                found[use.geometry] = UnitSlip(name, side, *mistaken)
+                found[use.geometry] = UnitSlip(name, sides[2], *mistaken)
     return found
 
 
-def longest(geometry: GeometryView, context: Context) -> float | None:
-    """The longest side of the box of a mesh, scaled [m]; None where it is not known."""
+def _sides(geometry: GeometryView, context: Context) -> list[float]:
+    """The sides of the box of a mesh, scaled, ascending [m]; none where it is not known."""
     known = context.once(all_facts).get(geometry.uri)
     scale = geometry.scale.or_default(1.0, 1.0, 1.0)
     if known is None or known.problem is not None or scale is None or not all(scale):
-        return None
-    return max(abs(factor) * (hi - lo) for factor, lo, hi in zip(scale, known.lo, known.hi, strict=True))
-
-
-def is_ground(geometry: GeometryView, context: Context) -> bool:
-    """Whether a mesh is as long as no part is, and flat: a floor, or what stands on one."""
-    known = context.once(all_facts)[geometry.uri]
-    scale = geometry.scale.or_default(1.0, 1.0, 1.0) or (1.0, 1.0, 1.0)
-    sides = sorted(abs(factor) * (hi - lo) for factor, lo, hi in zip(scale, known.lo, known.hi, strict=True))
-    return sides[2] > _LONGEST and sides[0] <= _FLAT * sides[1]
+        return []
+    return sorted(abs(factor) * (hi - lo) for factor, lo, hi in zip(scale, known.lo, known.hi, strict=True))
 
 
 def _mistaken(side: float, twin: float | None, reach: float) -> tuple[float, str] | None:

@@ -139,18 +139,12 @@ def centre_outside_shapes(context: Context) -> Faults:
         what = f"the centre of mass is {away:.3g} m outside the box around the shapes, which is {size:.3g} m across"
         remedy = "check the unit (m), the signs, and that it is in the link's frame, not the mesh's or the world's"
         at = body.inertial.element.span if origin.element is None else origin.xyz.span
-        cause = suspected(context, body, centre=True) or _sign(context, body)
+        cause, shape = suspected(context, body, centre=True), context.once(shaped).get(body.link.name)
+        if cause is None and shape is not None and body.box is not None:
+            now, flipped = length(body.c - shape.solid.c), body.c * (1.0 - 2.0 * np.eye(3))
+            near = [not outside(body.box, c) and length(c - shape.solid.c) <= _NEAR * now for c in flipped]
+            cause = one_of(f"{axis} has the wrong sign" for axis, yes in zip("xyz", near, strict=True) if yes)
         yield Fault(at, what, remedy, away, size, severity=severity, cause=cause)
-
-
-def _sign(context: Context, body: Body) -> str | None:
-    """Which coordinate may have the wrong sign: with the other one the centre is where the shapes have it."""
-    shape = context.once(shaped).get(body.link.name)
-    if shape is None or body.box is None:
-        return None
-    now, flipped = length(body.c - shape.solid.c), body.c * (1.0 - 2.0 * np.eye(3))
-    near = [not outside(body.box, c) and length(c - shape.solid.c) <= _NEAR * now for c in flipped]
-    return one_of(f"{axis} has the wrong sign" for axis, yes in zip("xyz", near, strict=True) if yes)
 
 
 _LEAST, _LEAST_SHELL = 0.05, 0.1

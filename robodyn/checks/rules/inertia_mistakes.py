@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from robodyn.checks.bodies.bodies import Body, bodies, given, shaped, weighed
+from robodyn.checks.bodies.bodies import bodies, given, shaped, weighed
 from robodyn.checks.bodies.masses import Tensor, broken_law
 from robodyn.checks.examples import IMAGE, SHAPED_INERTIA, a_shaped_link, inertia, two_arms
 from robodyn.checks.mirror import Pair, link_inertia, pairs
@@ -20,7 +20,6 @@ from robodyn.robot.masses.mistakes import (
     UPPER,
     Given,
     Mistake,
-    Posterior,
     corrections,
 )
 from robodyn.robot.urdf.parts import INERTIA
@@ -183,25 +182,21 @@ def _cause(context: Context, link: LinkView, twin: Pair | None) -> Cause | None:
         return None
     physical = broken_law(said.entries, context.thresholds) is None
     if verdict is not None and verdict.named:
-        return _by_shapes(context, link, said, verdict, physical)
+        first, code = verdict.named[0], verdict.named[0].mistake.code
+        alike = [one for one in verdict.named if _apart(one.I, first.I) <= SAME]
+        share = sum(one.probability for one in alike) / sum(one.probability for one in verdict.named)
+        now, then = (f"{figure(round(100 * part, 2), 2)} %" for part in (verdict.apart, first.apart))
+        shown = f"corrected, it is {then} from the inertia of the link's shapes, as it stands {now}"
+        if share < _ALONE:
+            what = " or ".join(one.what for one in verdict.named[:_MOST_NAMED])
+            return Cause(code, f"{what}: {shown}", None, None, physical)
+        tensor, what = _entries(first.I, said), f"{first.what}: {shown}"
+        fix = _fix(link, tensor, first.what) if _allowed(context, link, first.I) else None
+        return Cause(code, what, tensor, fix, physical)
     if not physical and said.nine_as_six:
         return Cause("RD310", NINE, None, None, physical=False)
     blamed = twin is None or (twin.left.name in verdicts and verdicts[twin.left.name].named)
     return None if twin is None or blamed else _by_twin(context, link, said, twin, physical)
-
-
-def _by_shapes(context: Context, link: LinkView, said: Given, verdict: Posterior, physical: bool) -> Cause:
-    first, code = verdict.named[0], verdict.named[0].mistake.code
-    alike = [one for one in verdict.named if _apart(one.I, first.I) <= SAME]
-    share = sum(one.probability for one in alike) / sum(one.probability for one in verdict.named)
-    now, then = (f"{figure(round(100 * part, 2), 2)} %" for part in (verdict.apart, first.apart))
-    shown = f"corrected, it is {then} from the inertia of the link's shapes, as it stands {now}"
-    if share < _ALONE:
-        what = " or ".join(one.what for one in verdict.named[:_MOST_NAMED])
-        return Cause(code, f"{what}: {shown}", None, None, physical)
-    tensor, what = _entries(first.I, said), f"{first.what}: {shown}"
-    fix = _fix(link, tensor, first.what) if _allowed(context, link, first.I) else None
-    return Cause(code, what, tensor, fix, physical)
 
 
 def _by_twin(context: Context, link: LinkView, said: Given, twin: Pair, physical: bool) -> Cause | None:
@@ -278,22 +273,16 @@ def unit_slip(context: Context) -> Faults:
                 for k in wrong
             ]
             what, remedy, severity = f"{first.what} {fits}", f"{' and '.join(undone)} if that is so", None
+            given, edits = ([mass], [xyz], body.inertial.entries), list[Edit]()
+            for each, factor in zip(given, factors, strict=True):
+                for number in each if factor != 1 else ():
+                    values = " ".join(repr(float(f"{value / factor:.15g}")) for value in number.values or ())
+                    edits += [Edit(number.span.start, number.span.end, values)] if values else []
+            fix = Fix("write kg, m and kg m^2", tuple(edits), safe=False)
         else:
             what, remedy = one_of([one.what for one in verdict.either]) or "", "see which it is, and correct it"
-            severity = Severity.WARNING
-        fix = _in_si(body, factors) if verdict.named else None
+            severity, fix = Severity.WARNING, None
         yield Fault(at, what, remedy, factors[wrong[0]], 1.0, severity=severity, subject=body.link.subject, fix=fix)
-
-
-def _in_si(body: Body, factors: Sequence[float]) -> Fix:
-    """Mass, centre and inertia of a link divided by what their units are too large by."""
-    inertial, edits = body.inertial, list[Edit]()
-    for quantity, factor in zip(QUANTITIES, factors, strict=True):
-        given = {"mass": [inertial.mass], "inertia": list(inertial.entries)}.get(quantity, [inertial.origin.xyz])
-        for numbers in given if factor != 1 else ():
-            values = " ".join(repr(float(f"{value / factor:.15g}")) for value in numbers.values or ())
-            edits += [Edit(numbers.span.start, numbers.span.end, values)] if values else []
-    return Fix("write kg, m and kg m^2", tuple(edits), safe=False)
 
 
 @rule("RD306", Severity.WARNING, good=two_arms(), bad=(IMAGE, inertia("0.02 0.004 -0.002 0.03 0.003 0.025")))

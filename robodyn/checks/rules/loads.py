@@ -237,7 +237,15 @@ def gravity_bounds(context: Context) -> Mapping[str, GravityBound]:
     """What no pose exceeds, by joint, from the sum of the lengths on the way and what turns it. From stage MODEL on."""
     model = context.model
     count = len(model.bodies)
-    carried, reach, tilt = np.zeros(count), np.zeros(count), _tilts(model)
+    carried, reach, tilt = np.zeros(count), np.zeros(count), np.ones(count)
+    standing = {-1: np.eye(3)}  # gravity across a hinge's axis or along a slide: all of it above a hinge
+    for i, body in enumerate(model.bodies):
+        if body.parent in standing:
+            R = product(standing[body.parent], body.joint.R)
+            slides = body.joint.kind == "prismatic"
+            tilt[i] = abs(float(product(R[2], body.joint.axis))) if slides else length(np.cross(R[2], body.joint.axis))
+            if body.joint.kind != "revolute":
+                standing[i] = R
     bounds = {}
     for i in reversed(range(count)):
         body = model.bodies[i]
@@ -247,48 +255,12 @@ def gravity_bounds(context: Context) -> Mapping[str, GravityBound]:
             reach[i] = max(reach[i], length(body.inertia.mc) / mass)
         lever = 1.0 if joint.kind == "prismatic" else float(reach[i])
         whole = model.total_mass * GRAVITY * max(lever, _LEAST_LEVER)
-        bounds[joint.name] = GravityBound(float(carried[i]) * GRAVITY * lever * tilt[i], whole)
+        bounds[joint.name] = GravityBound(float(carried[i]) * GRAVITY * lever * float(tilt[i]), whole)
         if body.parent >= 0:
             carried[body.parent] += carried[i]
             slide = max(abs(joint.lower or 0.0), abs(joint.upper or 0.0)) if joint.kind == "prismatic" else 0.0
             reach[body.parent] = max(reach[body.parent], length(joint.p) + slide + reach[i])
     return bounds
-
-
-def _tilts(model: Model) -> list[float]:
-    """The most that gravity has of its strength across each hinge's axis or along each slide: 1 above a hinge."""
-    tilts, standing = [], {-1: np.eye(3)}
-    for i, body in enumerate(model.bodies):
-        joint = body.joint
-        if body.parent not in standing:
-            tilts.append(1.0)
-            continue
-        R = product(standing[body.parent], joint.R)
-        along = abs(float(product(R[2], joint.axis)))
-        tilts.append(along if joint.kind == "prismatic" else length(np.cross(R[2], joint.axis)))
-        if joint.kind != "revolute":
-            standing[i] = R
-    return tilts
-
-
-def reflected_inertias(context: Context) -> tuple[tuple[Joint, float], ...]:
-    """Return (joint, J) of the joints whose damping may be fast; J = 1 / (M^-1)_ii at the middle of the ranges. From
-    stage MODEL on; empty for a singular mass matrix, a floating joint or more than MOST_BODIES bodies.
-
-    Accuracy: M within 1e-12 of its largest entry.
-    """
-    model, joints = context.model, list[Joint]()
-    for body in model.bodies:
-        joint, m = body.joint, body.inertia.m
-        if joint.kind in ("revolute", "prismatic") and joint.mimics is None and joint.damping > 0.0:
-            own = m if joint.kind == "prismatic" else float(product(joint.axis, body.inertia.I, joint.axis))
-            if own < _WORTH * joint.damping:
-                joints.append(joint)
-    if not joints or model.nq != model.n or len(model.bodies) > MOST_BODIES:
-        return ()
-    low, high = position_ranges(model)
-    inverse = inverse_of_definite(joint_space_inertia(model, (low + high) / 2.0))
-    return () if inverse is None else tuple((joint, 1.0 / float(inverse[joint.rate, joint.rate])) for joint in joints)
 
 
 def inverse_of_definite(M: Floats) -> Floats | None:
@@ -429,7 +401,19 @@ middle of the ranges.""",
 )
 def stiff_damping(context: Context) -> Faults:
     """Inertia and damping of a joint allow steps of 1 ms."""
-    for joint, inertia in context.once(reflected_inertias):
+    model, joints = context.model, list[Joint]()
+    for body in model.bodies:
+        joint, m = body.joint, body.inertia.m
+        if joint.kind in ("revolute", "prismatic") and joint.mimics is None and joint.damping > 0.0:
+            own = m if joint.kind == "prismatic" else float(product(joint.axis, body.inertia.I, joint.axis))
+            if own < _WORTH * joint.damping:
+                joints.append(joint)
+    if not joints or model.nq != model.n or len(model.bodies) > MOST_BODIES:
+        return
+    low, high = position_ranges(model)
+    inverse = inverse_of_definite(joint_space_inertia(model, (low + high) / 2.0))
+    for joint in joints if inverse is not None else ():
+        inertia = 1.0 / float(inverse[joint.rate, joint.rate])
         step = 2.0 * inertia / joint.damping
         if not 0.0 < step < STEP:
             continue

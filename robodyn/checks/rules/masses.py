@@ -80,7 +80,6 @@ def massless_group(context: Context) -> Faults:
     for group in context.tree.groups:
         if group.joint is None or any(link.inertial is not None for link in group.links):
             continue
-        first = group.links[0]
         onward = carried[group] > 0
         with_it = f" with {listed([link.name for link in group.links[1:]])}" if len(group.links) > 1 else ""
         what = f"joint '{group.joint.name}' moves it{with_it}, and it has no mass"
@@ -90,7 +89,9 @@ def massless_group(context: Context) -> Faults:
         what += f"; MuJoCo {does}, Gazebo drops it" + " and what it carries" * onward
         remedy = "add an <inertial>" if onward else "add an <inertial>, or make the joint fixed"
         severity = Severity.WARNING if onward else Severity.ERROR
-        yield Fault(first.name_span, what, remedy, measured=0.0, severity=severity, kind="a joint moves no mass")
+        yield Fault(
+            group.links[0].name_span, what, remedy, measured=0.0, severity=severity, kind="a joint moves no mass"
+        )
 
 
 @rule("RD203", Severity.ERROR, good=one_link(), bad=(INERTIA, ""), explains=("RD901",))
@@ -297,19 +298,13 @@ def zero_tensor(context: Context) -> Faults:
             continue
         what = f"a mass of {link.mass:g} kg has no moments of inertia: it would be a point"
         remedy = "write the inertia of the part; robodyn inertia computes it from its mesh"
-        yield Fault(link.inertial.entries[0].span, what, remedy, measured=0.0, severity=_of_zero(context, link))
-
-
-def _of_zero(context: Context, link: LinkView) -> Severity:
-    """A remark where heavier links are fixed to it and give the body an inertia, or there is no tree that tells."""
-    if context.tree_or_none is None:
-        return Severity.NOTE
-    group = context.tree_or_none.group[link.name]
-    if group.mass is None or link.mass is None:
-        return Severity.ERROR
-    if group.mass > 2 * link.mass and (gyration(context, group) or 0.0) > POINT:
-        return Severity.NOTE
-    return Severity.ERROR if group.joint is not None else Severity.WARNING
+        group = None if context.tree_or_none is None else context.tree.group[link.name]
+        severity = None if group is None or group.joint is not None else Severity.WARNING
+        if group is None or group.mass is None:
+            severity = Severity.NOTE if group is None else None
+        elif group.mass > 2 * link.mass and (gyration(context, group) or 0.0) > POINT:
+            severity = Severity.NOTE
+        yield Fault(link.inertial.entries[0].span, what, remedy, measured=0.0, severity=severity)
 
 
 @rule("RD205", Severity.WARNING, good=longer_arm("tip", "flange", inside="", kind="fixed"), bad=('"1"', '"0"'))

@@ -20,7 +20,7 @@ from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.checks.rules.inertia_mistakes import causes
 from robodyn.programs.vectors import length, product, rotation_from_rpy, rpy_from_rotation
 from robodyn.robot.kinematics import Pose
-from robodyn.robot.urdf.parts import INERTIA, WITH_RANGE, Joint, Limit, Link
+from robodyn.robot.urdf.parts import INERTIA, WITH_RANGE, Joint, Limit
 from robodyn.robot.urdf.view import JointView, LimitView, LinkView, value_span
 from robodyn.solids.inertia.validity import Box
 from robodyn.support.floats import Floats
@@ -386,17 +386,15 @@ def mirror_shapes(context: Context) -> Faults:
             if its and not shapes:
                 what = f"it has no <{kind}>, and its mirror twin {other} has one"
                 yield Fault(link.name_span, what, f"write its <{kind}>, or allow it where the parts differ")
-            if box is None or image is None or not is_square(pair.D) or not _around_centre(pair.left, image):
+            if box is None or image is None or not is_square(pair.D):
+                continue
+            if (own := pair.left.inertial) and outside(image, np.array(own.origin.xyz)) > _LEAST_OFF:
                 continue
             ways = [Pose(pair.D, pair.t)] + ([pair.part] if pair.part is not None else [])
             off = min(_corners(box, image.placed(*way)) for way in ways)
             if off > max(_OFF * size_of(box), _LEAST_OFF) and _more_apart(context, link, twin):
                 what = f"its <{kind}> shapes are up to {off:.3g} m from the mirror image of those of {other}"
                 yield Fault(shapes[0].element.span, what, _ONE_OF_TWO.format("shapes"), off, _OFF * size_of(box))
-
-
-def _around_centre(link: Link, box: Box) -> bool:
-    return link.inertial is None or outside(box, np.array(link.inertial.origin.xyz)) <= _LEAST_OFF
 
 
 def _corners(box: Box, other: Box) -> float:

@@ -16,7 +16,13 @@ from robodyn.robot.urdf.view import TEXT, JointView, Subject, View, numbers, val
 from robodyn.support.wording import alternatives, figure, shown, slip_of
 
 _PAIRS_ONLY = frozenset({"disable_collisions", "enable_collisions", "disable_default_collisions"})
-
+_SIDES = ("left", "right", "leftfront", "leftrear", "rightfront", "rightrear")
+_JOINTS = ("joint", "jointname", "jointnames", "mimicjoint", "actuatedjoint", *(f"{side}joint" for side in _SIDES))
+_NAMES = {
+    **dict.fromkeys(_JOINTS, "joint"),
+    **dict.fromkeys(("bodyname", "linkname", "canonicalbody"), "link"),
+}
+"""Tags of plugins, in lower case and without _, whose text names a joint or a link; no frames: others may make them."""
 _TRANSMISSION = """
   <transmission name="drive">
     <type>transmission_interface/SimpleTransmission</type>
@@ -51,41 +57,21 @@ def names_nothing(context: Context) -> Faults:
                 continue
             if used.name not in remedies:
                 remedies[used.name] = alternatives(used.name, names, "joints" if used.kind == "joint" else "links")
-            what, at = (
-                f"there is no {used.kind} {shown(used.name)} in the robot",
-                value_span(used.element, used.attribute),
-            )
+            at = value_span(used.element, used.attribute)
+            what = f"there is no {used.kind} {shown(used.name)} in the robot"
             subject = Subject(owner.tag, owner.get("name") or owner.get("reference") or "")
             yield Fault(at, what, remedies[used.name], subject=subject)
         for plugin in owner.walk() if owner.tag == "gazebo" else ():
             if plugin.tag == "plugin" and not plugin.get("filename"):
                 yield Fault(plugin.span, "a <plugin> names no library", 'write filename="lib....so"', subject=None)
-    yield from _in_srdf(context)
-
-
-def _uses(owner: Element) -> Iterator[Named]:
-    if owner.tag in ("transmission", "ros2_control"):
-        for inner in (owner, *owner.findall("transmission")):
-            for joint in inner.findall("joint"):
-                if joint.get("name"):
-                    yield Named("joint", joint.values["name"], joint, "name")
-    reference = owner.get("reference")
-    if owner.tag == "gazebo":
-        if reference:
-            yield Named("link or joint", reference, owner, "reference")
-        yield from named_by_plugins(owner)
-
-
-def _in_srdf(context: Context) -> Iterator[Fault]:
-    """Yield one fault for each name; one warning of an SRDF of another name, which may be of a variant of the robot."""
-    found, view = own_srdf(context), context.view
+    found = own_srdf(context)
     if found is None:
         return
     missing, more = found.missing, ""
     if not found.is_namesake and missing[1:]:
         missing, more = missing[:1], f", and {len(missing) - 1} more names that are not in the robot"
-    for used in missing:
-        names: Collection[str] = view.link if used.kind == "link" else view.joint
+    for used in missing:  # one warning of an SRDF of another name, which may be of a variant of the robot
+        names = view.link if used.kind == "link" else view.joint
         yield Fault(
             value_span(used.element, used.attribute),
             f"there is no {used.kind} {shown(used.name)} in the robot {shown(view.root.get('name') or '')}{more}",
@@ -96,26 +82,28 @@ def _in_srdf(context: Context) -> Iterator[Fault]:
         )
 
 
-_SIDES = ("left", "right", "leftfront", "leftrear", "rightfront", "rightrear")
-_JOINTS = ("joint", "jointname", "jointnames", "mimicjoint", "actuatedjoint", *(f"{side}joint" for side in _SIDES))
-_NAMES = {
-    **dict.fromkeys(_JOINTS, "joint"),
-    **dict.fromkeys(("bodyname", "linkname", "canonicalbody"), "link"),
-}
-"""Tags of plugins, in lower case and without _, whose text names a joint or a link; no frames: others may make them."""
-
-
-def named_by_plugins(gazebo: Element) -> Iterator[Named]:
-    """Yield what the plugins in an element <gazebo> name, without what it makes itself."""
-    made = {element.get("name") for element in gazebo.walk() if element.tag.partition(":")[0] in ("joint", "link")}
-    for plugin in (element for element in gazebo.walk() if element.tag == "plugin"):
-        for element in plugin.walk():
-            kind = _NAMES.get(element.tag.lower().replace("_", ""), "")
-            for name in element.text.replace(",", " ").split() if kind and not element.children else ():
-                if name.rpartition("::")[2] not in {"world", *made}:
-                    yield Named(kind, name.rpartition("::")[2], element, "")
-            if element.tag == "virtualJoint" and (inner := element.find("name")) is not None and inner.text.strip():
-                yield Named("joint", inner.text.strip(), inner, "")
+def _uses(owner: Element) -> Iterator[Named]:
+    if owner.tag in ("transmission", "ros2_control"):
+        for inner in (owner, *owner.findall("transmission")):
+            for joint in inner.findall("joint"):
+                if joint.get("name"):
+                    yield Named("joint", joint.values["name"], joint, "name")
+    if owner.tag == "gazebo":
+        if reference := owner.get("reference"):
+            yield Named("link or joint", reference, owner, "reference")
+        made = {element.get("name") for element in owner.walk() if element.tag.partition(":")[0] in ("joint", "link")}
+        for plugin in (element for element in owner.walk() if element.tag == "plugin"):
+            for element in plugin.walk():
+                kind = _NAMES.get(element.tag.lower().replace("_", ""), "")
+                for name in element.text.replace(",", " ").split() if kind and not element.children else ():
+                    if name.rpartition("::")[2] not in {"world", *made}:
+                        yield Named(kind, name.rpartition("::")[2], element, "")
+                if (
+                    element.tag == "virtualJoint"
+                    and (called := element.find("name")) is not None
+                    and called.text.strip()
+                ):
+                    yield Named("joint", called.text.strip(), called, "")
 
 
 _TYPES = ("SimpleTransmission", "DifferentialTransmission", "FourBarLinkageTransmission")
@@ -150,30 +138,26 @@ def transmission(context: Context) -> Faults:
         at = value_span(again, "name")
         yield Fault(at, what, "rename one of them", subject=_subject(again), severity=Severity.WARNING)
     for each in root.findall("transmission"):
-        yield from _drives_nothing(each, context.view)
-
-
-def _drives_nothing(transmission: Element, view: View) -> Iterator[Fault]:
-    subject, kind = _subject(transmission), transmission.find("type")
-    said = transmission.get("type") if kind is None else kind.text.strip()
-    if not said:
-        what = "the transmission has no type: readers pass over it"
-        remedy = f"write <type>transmission_interface/{_TYPES[0]}</type>"
-        yield Fault(transmission.span, what, remedy, subject=subject, severity=Severity.WARNING)
-    elif meant := slip_of(said.rpartition("/")[2], _TYPES):
-        what, remedy = f"nobody offers the type {shown(said)}", f"did you mean {shown(meant)}?"
-        yield Fault((kind or transmission).span, what, remedy, subject=subject, severity=Severity.WARNING)
-    for joint in transmission.findall("joint"):
-        moved = view.joint.get(joint.get("name") or "")
-        if moved is not None and moved.type == "fixed":
-            what = f"it drives joint {shown(moved.name)}, which is fixed in line {moved.element.line}"
-            remedy = "delete the transmission, or let the joint move (type=...)"
-            yield Fault(value_span(joint, "name"), what, remedy, subject=subject, severity=Severity.WARNING)
-        for interface in joint.findall("hardwareInterface"):
-            name = interface.text.strip().rpartition("/")[2]
-            if meant := slip_of(name, _INTERFACES):
-                what, remedy = f"nobody offers the interface {shown(name)}", f"did you mean {shown(meant)}?"
-                yield Fault(interface.span, what, remedy, subject=subject, severity=Severity.WARNING)
+        subject, kind = _subject(each), each.find("type")
+        said = each.get("type") if kind is None else kind.text.strip()
+        if not said:
+            what = "the transmission has no type: readers pass over it"
+            remedy = f"write <type>transmission_interface/{_TYPES[0]}</type>"
+            yield Fault(each.span, what, remedy, subject=subject, severity=Severity.WARNING)
+        elif meant := slip_of(said.rpartition("/")[2], _TYPES):
+            what, remedy = f"nobody offers the type {shown(said)}", f"did you mean {shown(meant)}?"
+            yield Fault((kind or each).span, what, remedy, subject=subject, severity=Severity.WARNING)
+        for joint in each.findall("joint"):
+            moved = context.view.joint.get(joint.get("name") or "")
+            if moved is not None and moved.type == "fixed":
+                what = f"it drives joint {shown(moved.name)}, which is fixed in line {moved.element.line}"
+                remedy = "delete the transmission, or let the joint move (type=...)"
+                yield Fault(value_span(joint, "name"), what, remedy, subject=subject, severity=Severity.WARNING)
+            for interface in joint.findall("hardwareInterface"):
+                name = interface.text.strip().rpartition("/")[2]
+                if meant := slip_of(name, _INTERFACES):
+                    what, remedy = f"nobody offers the interface {shown(name)}", f"did you mean {shown(meant)}?"
+                    yield Fault(interface.span, what, remedy, subject=subject, severity=Severity.WARNING)
 
 
 def _reductions(transmission: Element) -> Iterator[Fault]:
@@ -391,7 +375,25 @@ def controlled_mimic(context: Context) -> Faults:
         beside = [other.name for other in parts if other.control is part.control]
         if part.joint is not None:
             yield from _by_tag(part, part.joint, beside)
-        yield from _by_parameter(part, part.joint, beside)
+        mimic, multiplier = _parameter(part.element, "mimic"), _parameter(part.element, "multiplier")
+        name = "" if mimic is None else mimic.text.strip()
+        if mimic is not None and not unexpanded(name):
+            if name not in beside:
+                what = f"the parameter mimic names {shown(name)}, which is not in the same <ros2_control>"
+                yield part.fault(mimic.span, what, alternatives(name, beside, "joints there"))
+            elif part.joint is not None and part.joint.mimic is not None and part.joint.mimic.joint != name:
+                what = f"the parameter mimic names {shown(name)}, <mimic> of the URDF {shown(part.joint.mimic.joint)}"
+                yield part.fault(mimic.span, what, "name one joint in both")
+        if multiplier is None or unexpanded(multiplier.text):
+            continue
+        given = numbers(multiplier, TEXT, 1)
+        factor = None if part.joint is None or part.joint.mimic is None else part.joint.mimic.multiplier.or_default(1.0)
+        if given.problem is not None:
+            what = f"the parameter multiplier {given.problem}"
+            yield part.fault(multiplier.span, what, given.problem.remedy)
+        elif given.value is not None and factor is not None and not isclose(given.value, factor[0], rel_tol=1e-6):
+            what = f"the parameter multiplier is {figure(given.value)}, that of <mimic> in the URDF {figure(factor[0])}"
+            yield part.fault(multiplier.span, what, "write one number in both", (given.value, factor[0]))
 
 
 def _by_tag(part: Controlled, joint: JointView, beside: Collection[str]) -> Iterator[Fault]:
@@ -408,25 +410,3 @@ def _by_tag(part: Controlled, joint: JointView, beside: Collection[str]) -> Iter
         elif joint.mimic.joint not in beside:
             what = f"the joint follows {shown(joint.mimic.joint)}, which is not in the same <ros2_control>"
             yield part.fault(at, what, 'list that joint there, or write mimic="false"')
-
-
-def _by_parameter(part: Controlled, joint: JointView | None, beside: Collection[str]) -> Iterator[Fault]:
-    mimic, multiplier = _parameter(part.element, "mimic"), _parameter(part.element, "multiplier")
-    name = "" if mimic is None else mimic.text.strip()
-    if mimic is not None and not unexpanded(name):
-        if name not in beside:
-            what = f"the parameter mimic names {shown(name)}, which is not in the same <ros2_control>"
-            yield part.fault(mimic.span, what, alternatives(name, beside, "joints there"))
-        elif joint is not None and joint.mimic is not None and joint.mimic.joint != name:
-            what = f"the parameter mimic names {shown(name)}, <mimic> of the URDF {shown(joint.mimic.joint)}"
-            yield part.fault(mimic.span, what, "name one joint in both")
-    if multiplier is None or unexpanded(multiplier.text):
-        return
-    given = numbers(multiplier, TEXT, 1)
-    factor = None if joint is None or joint.mimic is None else joint.mimic.multiplier.or_default(1.0)
-    if given.problem is not None:
-        what = f"the parameter multiplier {given.problem}"
-        yield part.fault(multiplier.span, what, given.problem.remedy)
-    elif given.value is not None and factor is not None and not isclose(given.value, factor[0], rel_tol=1e-6):
-        what = f"the parameter multiplier is {figure(given.value)}, that of <mimic> in the URDF {figure(factor[0])}"
-        yield part.fault(multiplier.span, what, "write one number in both", (given.value, factor[0]))

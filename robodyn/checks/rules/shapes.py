@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
 from math import prod
 
 import numpy as np
@@ -44,27 +43,22 @@ def shape_size(context: Context) -> Faults:
         if scale is not None:
             scaled.setdefault((use.geometry.uri, scale), []).append(use)
     for (uri, scale), uses in scaled.items():
-        if min(scale) <= 0:
-            alike = [other for name, other in scaled if name == uri and [*map(abs, other)] == [*map(abs, scale)]]
-            yield _scale(uses, scale, any(prod(other) > 0 for other in alike))
-
-
-def _scale(uses: list[MeshUse], scale: tuple[float, ...], both: bool) -> Fault:
-    """One finding for all uses of a mesh with one scale; `both` if it stands unmirrored somewhere, too."""
-    severity = Severity.NOTE
-    if 0 in scale:
-        severity, what, remedy = Severity.ERROR, "leaves no volume", 'write scale="1 1 1", or leave it out'
-    elif sum(value < 0 for value in scale) % 2:
-        if not both and any(use.geometry.kind != "visual" for use in uses):
-            severity = Severity.WARNING
-        what = "mirrors the mesh: to programs that do not turn its faces, its volume is negative"
-        remedy = "export the mesh of this part, mirrored"
-    else:
-        what = "turns the mesh by half a turn, which every known program does"
-        remedy = "export the mesh of this part, or turn it by rpy"
-    more = f" (and {len(uses) - 1} more of this mesh)" if len(uses) > 1 else ""
-    what = f"the scale {_shown(scale)} {what}{more}"
-    return Fault(uses[0].geometry.scale.span, what, remedy, min(scale), 0.0, severity=severity)
+        if min(scale) > 0:
+            continue
+        alike = [other for name, other in scaled if name == uri and [*map(abs, other)] == [*map(abs, scale)]]
+        severity = Severity.NOTE
+        if 0 in scale:
+            severity, what, remedy = Severity.ERROR, "leaves no volume", 'write scale="1 1 1", or leave it out'
+        elif sum(value < 0 for value in scale) % 2:
+            if all(prod(other) <= 0 for other in alike) and any(use.geometry.kind != "visual" for use in uses):
+                severity = Severity.WARNING
+            what = "mirrors the mesh: to programs that do not turn its faces, its volume is negative"
+            remedy = "export the mesh of this part, mirrored"
+        else:
+            what = "turns the mesh by half a turn, which every known program does"
+            remedy = "export the mesh of this part, or turn it by rpy"
+        what = f"the scale {_shown(scale)} {what}" + (f" (and {len(uses) - 1} more of this mesh)" if uses[1:] else "")
+        yield Fault(uses[0].geometry.scale.span, what, remedy, min(scale), 0.0, severity=severity)
 
 
 def _shown(values: tuple[float, ...]) -> str:
@@ -227,7 +221,17 @@ def undefined_material(context: Context) -> Faults:
         what = f"a second <material> {shown(twice)} in <robot> after line {first.line}: urdfdom refuses the file"
         at, subject = value_span(again, "name"), Subject("material", twice)
         yield Fault(at, what, "keep one of them", subject=subject, severity=Severity.ERROR)
-    yield from _two_colours(shared, local)
+    seen, told = dict[str, tuple[Element, tuple[float, ...]]](), set()
+    for material, is_used in (*((each, False) for each in shared), *((each, True) for each in local)):
+        name, rgba = material.get("name"), numbers(material.find("color"), "rgba", 4).values
+        if not name or rgba is None:
+            continue
+        other, colour = seen.setdefault(name, (material, rgba))
+        if is_used and name not in told and any(abs(a - b) > _SEEN for a, b in zip(rgba, colour, strict=True)):
+            told.add(name)
+            here, there = (" ".join(map(figure, each)) for each in (rgba, colour))
+            what = f"the <material> {shown(name)} is {here} here and {there} in line {other.line}"
+            yield Fault(value_span(material, "name"), what, "give one of the two another name")
     defined = dict.fromkeys(material.get("name") for material in (*shared, *local) if _looks(material))
     undefined: dict[str, list[Element]] = {}
     for material in local:
@@ -246,22 +250,6 @@ def undefined_material(context: Context) -> Faults:
 
 def _looks(material: Element) -> bool:
     return any(child.tag in ("color", "texture") for child in material.children)
-
-
-def _two_colours(shared: Iterable[Element], local: Iterable[Element]) -> Iterator[Fault]:
-    """Names of which a shape has another colour than the first, each once."""
-    first: dict[str, tuple[Element, tuple[float, ...]]] = {}
-    told = set()
-    for material, is_used in (*((each, False) for each in shared), *((each, True) for each in local)):
-        name, rgba = material.get("name"), numbers(material.find("color"), "rgba", 4).values
-        if not name or rgba is None:
-            continue
-        other, colour = first.setdefault(name, (material, rgba))
-        if is_used and name not in told and any(abs(a - b) > _SEEN for a, b in zip(rgba, colour, strict=True)):
-            told.add(name)
-            here, there = (" ".join(map(figure, each)) for each in (rgba, colour))
-            what = f"the <material> {shown(name)} is {here} here and {there} in line {other.line}"
-            yield Fault(value_span(material, "name"), what, "give one of the two another name")
 
 
 _RED = '\n  <material name="red"><color rgba="0.8 0.1 0.1 1"/></material>'

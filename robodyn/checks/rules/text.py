@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import NamedTuple
 
 from robodyn.checks.examples import INERTIA, arm, inertia, one_link
@@ -173,7 +173,21 @@ def unknown_element(context: Context) -> Faults:
     left alone.
     """
     for element, kind, subject in context.once(own_elements):
-        yield from _children(element, kind, subject)
+        seen: dict[str, Element] = {}
+        for child in element.children:
+            known = child.tag in kind.children
+            if not known and ":" not in child.tag and (element.tag != "robot" or _is_near(child.tag, kind.children)):
+                what = f"<{element.tag}> has no element {shown(child.tag)} in URDF; readers ignore it"
+                remedy = alternatives(child.tag, kind.children, "elements") if kind.children else "delete it"
+                if child.tag in _OF_DRAKE:
+                    remedy = f"Drake reads it as <drake:{child.tag}> in {_OF_DRAKE[child.tag]}; otherwise delete it"
+                meant = child.tag in KINDS or child.tag in _OF_DRAKE or _is_near(child.tag, [*KINDS, *kind.children])
+                yield Fault(child.span, what, remedy, subject=subject, severity=None if meant else Severity.NOTE)
+            elif known and child.tag not in kind.repeated and child.tag in seen:
+                first = f"the first is in line {seen[child.tag].line}"
+                what = f"a second <{child.tag}> in <{element.tag}>, {first}; readers differ in which they take"
+                yield Fault(child.span, what, "keep one of them", subject=subject)
+            seen.setdefault(child.tag, child)
         nothing_read = kind.attributes and not (kind.children or element.values.keys() & kind.attributes.keys())
         for name in element.values:
             if name not in kind.attributes and ":" not in name and name != "xmlns":
@@ -185,24 +199,6 @@ def unknown_element(context: Context) -> Faults:
                 meant = nothing_read or name in _NUMBERS or other in absent or _is_near(name, absent)
                 at, severity = element.attributes[name].span, None if meant else Severity.NOTE
                 yield Fault(at, what, remedy, subject=subject, severity=severity)
-
-
-def _children(element: Element, kind: Kind, subject: Subject | None) -> Iterator[Fault]:
-    seen: dict[str, Element] = {}
-    for child in element.children:
-        known = child.tag in kind.children
-        if not known and ":" not in child.tag and (element.tag != "robot" or _is_near(child.tag, kind.children)):
-            what = f"<{element.tag}> has no element {shown(child.tag)} in URDF; readers ignore it"
-            remedy = alternatives(child.tag, kind.children, "elements") if kind.children else "delete it"
-            if child.tag in _OF_DRAKE:
-                remedy = f"Drake reads it as <drake:{child.tag}> in {_OF_DRAKE[child.tag]}; otherwise delete it"
-            meant = child.tag in KINDS or child.tag in _OF_DRAKE or _is_near(child.tag, [*KINDS, *kind.children])
-            yield Fault(child.span, what, remedy, subject=subject, severity=None if meant else Severity.NOTE)
-        elif known and child.tag not in kind.repeated and child.tag in seen:
-            first = f"the first is in line {seen[child.tag].line}"
-            what = f"a second <{child.tag}> in <{element.tag}>, {first}; readers differ in which they take"
-            yield Fault(child.span, what, "keep one of them", subject=subject)
-        seen.setdefault(child.tag, child)
 
 
 def _is_near(tag: str, known: Collection[str]) -> bool:
