@@ -17,8 +17,7 @@ _FOUND = [one for family in _FAMILIES for one in vars(family).values() if isinst
 RULES: tuple[Rule, ...] = tuple(sorted(_FOUND, key=lambda rule: rule.code))
 CODES = tuple(rule.code for rule in RULES)
 
-_LEAST = 3
-"""Characters of a code that say of which kind a rule is: RD2."""
+_LEAST = 3  # characters of a code that say of which kind a rule is: RD2
 ALL, DEFAULT = "ALL", "DEFAULT"
 WORDS = (ALL, DEFAULT)
 """What may be selected beside codes: every finding of every rule; those that are errors or likely defects."""

@@ -51,8 +51,7 @@ if TYPE_CHECKING:
 
 __all__ = ["STANDARD", "Options"]
 Source = str | os.PathLike[str] | bytes
-_MOST_HUNG_ON = 16
-"""Links of others that a part may hang on."""
+_MOST_HUNG_ON = 16  # links of others that a part may hang on
 
 
 def check(
@@ -88,8 +87,7 @@ def check(
         config: a file whose settings hold for all, in place of robodyn.toml or pyproject.toml above each.
 
     Raises:
-        InputError: a file cannot be read, nothing matches a pattern, there is no such rule, or settings are wrong.
-    """
+        InputError: a file cannot be read, nothing matches a pattern, there is no such rule, or settings are wrong."""
     given = replace(
         options,
         select=(*options.select, *map(str.upper, select)),
@@ -111,8 +109,7 @@ def tasks_for(sources: Sequence[Source], given: Options = STANDARD, config: str 
     folder that is named xacro files may read every file.
 
     Raises:
-        InputError: nothing matches a source, there is no such rule, or settings are wrong.
-    """
+        InputError: nothing matches a source, there is no such rule, or settings are wrong."""
     rules_for(given.select, given.ignore)
     fixed = None if config is None else read_config(config)
     known: dict[str, Config | None] = {}

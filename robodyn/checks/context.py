@@ -38,8 +38,7 @@ class Asked:
         xacro_args: of the file, with which its version at that revision is expanded.
 
     Raises:
-        InputError: a target is not known.
-    """
+        InputError: a target is not known."""
 
     targets: tuple[str, ...] = ()
     against: str | None = None
@@ -97,8 +96,7 @@ class Options:
         trust_xacro: whether xacro files may do whatever Python can.
         expanded_to: the folder to which xacro files are expanded, and which their meshes are named from.
         including: whether of a xacro file that others include those are checked in its place.
-        asked: what is asked beyond the files themselves.
-    """
+        asked: what is asked beyond the files themselves."""
 
     select: tuple[str, ...] = ()
     ignore: tuple[str, ...] = ()
@@ -120,10 +118,8 @@ STANDARD = Options()
 
 @dataclass(frozen=True, eq=False)
 class Group:
-    """Links that fixed joints make one body; `links[0]` is the child of `joint`, which moves it against `parent`.
-
-    The root's group has neither. `children` are the groups below this one.
-    """
+    """Links that fixed joints make one body; `links[0]` is the child of `joint`, which moves it against `parent`. The
+    root's group has neither. `children` are the groups below this one."""
 
     links: list[LinkView]
     joint: JointView | None

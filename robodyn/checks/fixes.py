@@ -81,13 +81,10 @@ class Fixed:
 
 
 def fixed(data: bytes, file: str, check: Check, *, unsafe: bool = False) -> Fixed:
-    """Return the text with its fixes made: bytes that no fix names stay as they are.
-
-    Safe fixes come first, proven to leave the dynamics alone by inverse dynamics before and after, all together or else
-    each by itself; one without proof is not made. Unsafe ones follow, if wanted, but of inertias those after
-    which the link has another error or warning, and it is computed what they change. Then `check` looks at the text
-    again, until nothing is left.
-    """
+    """Return the text with its fixes made: bytes that no fix names stay as they are. Safe fixes come first, proven to
+    leave the dynamics alone by inverse dynamics before and after, all together or else each by itself; one without
+    proof is not made. Unsafe ones follow, if wanted, but of inertias those after which the link has another error or
+    warning, and it is computed what they change. Then `check` looks at the text again, until nothing is left."""
 
     def unchanged(offered: Iterable[tuple[Finding, Fix]], why: str) -> Fixed:
         return Fixed(file, data, data, (), tuple(Refused(finding, fix, why) for finding, fix in offered))
@@ -150,12 +147,9 @@ def _edited(text: bytes, pairs: Pairs, encoding: str) -> bytes:
 
 def change_of_dynamics(before: bytes, after: bytes) -> float:
     """Return max |tau' - tau| / max |tau| of inverse dynamics in random states; infinite where the coordinates differ.
-
     The base is free, so that its inertia counts; states are normally distributed with a variance of 1, the same for
-    both. InputError where a text cannot be loaded.
-
-    Accuracy: of descriptions that differ in rounding alone, below `SAME`.
-    """
+    both. InputError where a text cannot be loaded. Accuracy: of descriptions that differ in rounding alone, below
+    `SAME`."""
     import numpy as np
 
     from robodyn.dynamics.inverse import inverse_dynamics

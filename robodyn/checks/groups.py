@@ -100,11 +100,9 @@ def places(findings: Iterable[Finding]) -> tuple[Finding, ...]:
 
 
 def deduplicate(findings: Sequence[Finding], rules: Mapping[str, Rule]) -> list[Finding]:
-    """Return the findings of one file without those that another rule explains, for the same link or joint.
-
-    Of two that are one defect the one that explains stays, unless the other is more severe: then that one stays, and
-    what explains it becomes its cause.
-    """
+    """Return the findings of one file without those that another rule explains, for the same link or joint. Of two that
+    are one defect the one that explains stays, unless the other is more severe: then that one stays, and what explains
+    it becomes its cause."""
     of: dict[tuple[Subject, str], list[Finding]] = {}
     for finding in findings:
         if finding.subject is not None:

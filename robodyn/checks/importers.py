@@ -22,12 +22,9 @@ from robodyn.robot.urdf.document import Span
 from robodyn.robot.urdf.parts import WITH_AXIS, WITH_RANGE
 from robodyn.robot.urdf.view import GeometryView, JointView, LimitView, LinkView
 
-_LEAST_MASS, _LEAST_MOMENT = 1e-15, 1e-14
-"""MuJoCo: kg, and principal moments [kg m^2]."""
-_ROUNDING = 1e-15
-"""Of principal moments, relative; within it a program's own rounding decides."""
-_LEAST_GAZEBO = 1e-6
-"""kg."""
+_LEAST_MASS, _LEAST_MOMENT = 1e-15, 1e-14  # MuJoCo: kg, and principal moments [kg m^2]
+_ROUNDING = 1e-15  # of principal moments, relative; within it a program's own rounding decides
+_LEAST_GAZEBO = 1e-6  # kg
 _LIMITED = ("revolute", "continuous", "prismatic")
 Found = tuple[Span, str]
 """A place, and what is there."""

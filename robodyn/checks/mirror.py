@@ -27,13 +27,10 @@ from robodyn.support.wording import shown
 
 MASS, MOMENTS = 0.02, 0.10
 """How far twins may differ: their masses, and their moments relative to the largest."""
-_FLOOR = 1e-3
-"""A shift of the centre of mass that is no more is none [m]."""
-_AXIS = 0.02
-"""How far an axis may be from the image of its twin's [rad]."""
+_FLOOR = 1e-3  # a shift of the centre of mass that is no more is none [m]
+_AXIS = 0.02  # how far an axis may be from the image of its twin's [rad]
 _ALONE = r"(?<![A-Za-z]){}(?![A-Za-z])"
-_ENDS = "FBHMR"
-"""Front, back, hind, middle, rear."""
+_ENDS = "FBHMR"  # front, back, hind, middle, rear
 _SWAPS = tuple(
     (re.compile(pattern), replacement)
     for pattern, replacement in (
@@ -53,8 +50,7 @@ _SWAPS = tuple(
 )
 Names = tuple[str, str]
 """Of a left and a right link."""
-_NEAR = 2e-3
-"""How far a frame may be from its mirror image, relative to the robot's size."""
+_NEAR = 2e-3  # how far a frame may be from its mirror image, relative to the robot's size
 _SQUARE = [
     np.eye(3)[list(order)] * signs for order in permutations(range(3)) for signs in product_of((1, -1), repeat=3)
 ]
@@ -91,15 +87,12 @@ class Plane:
         return moved
 
 
-_SAME_PART = 1e-4
-"""How far a primitive may be from the place of its mirror image, to tell nothing [m]."""
+_SAME_PART = 1e-4  # how far a primitive may be from the place of its mirror image, to tell nothing [m]
 _DIGITS, _LEAST_PRODUCT = 1e-9, 1e-3
 """Of the largest entry: how far numbers are the same, and what products are more than rounding."""
 _FARTHER, _LITTLE = 1.25, 0.1
-_TELL = 2
-"""Things that two links have, and that show their frames turned."""
-_EQUAL = 1e-12
-"""Inertias by mass that differ by no more are the same [m^2]."""
+_TELL = 2  # things that two links have, and that show their frames turned
+_EQUAL = 1e-12  # inertias by mass that differ by no more are the same [m^2]
 
 
 @dataclass(frozen=True, eq=False)
@@ -196,8 +189,7 @@ class Symmetry:
         above: the joint that each link hangs on.
         named: the pairs that names propose, left and right; pairs: those that are confirmed, by their right links, in
             the order of these in the file.
-        turned: by link of pairs whose frames are turned against each other the rotation that its joint would have.
-    """
+        turned: by link of pairs whose frames are turned against each other the rotation that its joint would have."""
 
     plane: Plane
     R: Mapping[str, Floats]
@@ -234,14 +226,12 @@ def pairs(context: Context) -> tuple[Pair, ...]:
 
 
 def symmetry(context: Context) -> Symmetry | None:
-    """What is symmetric about a robot; None where the description cannot be read, or nothing is.
-
-    Names propose pairs. A pair is confirmed if at q = 0 each frame's origin is at the mirror image of the other's,
-    within 2e-3 of the robot's size or, where what hangs on it is, along the axis of its joint; and if the axes of one
-    are the images of the other's but for their names and signs, or all that the links have is the image. So is one
-    that hangs alike on a part which is mounted on both sides. Where centre, shapes and joints of a link are the image
-    for other axes, its frame is turned, and what hangs on it is turned back.
-    """
+    """What is symmetric about a robot; None where the description cannot be read, or nothing is. Names propose pairs. A
+    pair is confirmed if at q = 0 each frame's origin is at the mirror image of the other's, within 2e-3 of the robot's
+    size or, where what hangs on it is, along the axis of its joint; and if the axes of one are the images of the
+    other's but for their names and signs, or all that the links have is the image. So is one that hangs alike on a part
+    which is mounted on both sides. Where centre, shapes and joints of a link are the image for other axes, its frame is
+    turned, and what hangs on it is turned back."""
     description = None if context.tree_or_none is None else context.description_or_none
     if description is None:
         return None

@@ -26,8 +26,7 @@ from robodyn.robot.urdf.document import BOM, Document, Element, Span
 from robodyn.robot.urdf.edits import Edit
 from robodyn.robot.urdf.view import Subject
 
-_BEFORE, _AFTER = 60, 60
-"""Bytes that are shown before and after a finding, at most; its first `_AFTER` count."""
+_BEFORE, _AFTER = 60, 60  # bytes that are shown before and after a finding, at most; its first `_AFTER` count
 __all__ = ["Context", "Edit"]
 HERE = Subject("", "")
 """The link or joint in which a fault is."""
@@ -44,8 +43,7 @@ class Severity(Enum):
         return _ORDER.index(self) <= _ORDER.index(least)
 
 
-_ORDER = tuple(Severity)
-"""The most severe first."""
+_ORDER = tuple(Severity)  # the most severe first
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,15 +66,12 @@ class Excerpt:
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """A fault with its rule and its place; what the reports show.
-
-    `message` names the subject; `line` and `column` (in characters) count from 1, `start` and `end` are bytes.
-    `kind` is the message without subject, names and numbers: what findings share that one cause explains. `others` are
-    the further places of the same cause in the file, in their order, and then those of the same finding in other files
-    (see `robodyn.checks.groups`). `description` is the
-    file that was checked, where `file` is another one: macros that it includes, or its SRDF. `robots` are the files
-    that were checked and share it, where xacro files are among them.
-    """
+    """A fault with its rule and its place; what the reports show. `message` names the subject; `line` and `column` (in
+    characters) count from 1, `start` and `end` are bytes. `kind` is the message without subject, names and numbers:
+    what findings share that one cause explains. `others` are the further places of the same cause in the file, in their
+    order, and then those of the same finding in other files (see `robodyn.checks.groups`). `description` is the file
+    that was checked, where `file` is another one: macros that it includes, or its SRDF. `robots` are the files that
+    were checked and share it, where xacro files are among them."""
 
     code: str
     name: str
@@ -154,8 +149,7 @@ class Fault:
         fix: where one edit is uniquely right.
         kind: what it has in common with others of the same cause in the file; by default `what` without its names and
             numbers.
-        document: the file that `at` is in, if it is not the description.
-    """
+        document: the file that `at` is in, if it is not the description."""
 
     at: Span
     what: str
@@ -194,8 +188,7 @@ class Rule:
     Attributes:
         default: findings of this severity and above belong to the default set; the others are shown where the rule or
             ALL is selected.
-        explains: codes of rules whose finding about the same link or joint is the same defect as this rule's.
-    """
+        explains: codes of rules whose finding about the same link or joint is the same defect as this rule's."""
 
     code: str
     name: str
@@ -231,8 +224,7 @@ def rule(
 
     Args:
         good, bad: descriptions; a pair is a piece of the good one and what stands in its place in the bad one.
-        default: ERROR for a rule whose warnings are a matter of taste or of one program, NOTE where remarks matter.
-    """
+        default: ERROR for a rule whose warnings are a matter of taste or of one program, NOTE where remarks matter."""
     wrong = bad if isinstance(bad, str) else good.replace(*bad)
 
     def decorate(check: Callable[[Context], Faults]) -> Rule:

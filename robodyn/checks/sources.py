@@ -32,10 +32,8 @@ from robodyn.support.wording import count, listed_paths, shown
 RELATED = (".srdf", ".stl", ".obj", ".dae", ".ply", ".glb", ".gltf")
 """Suffixes of files that belong to descriptions."""
 R = TypeVar("R")
-_LEAST_WORK = 500_000
-"""Bytes of XML in files that take longer to check than processes take to start: half a second."""
-_MESH = 5_000
-"""Bytes of XML that take as long as a mesh of usual size, read anew."""
+_LEAST_WORK = 500_000  # bytes of XML in files that take longer to check than processes take to start: half a second
+_MESH = 5_000  # bytes of XML that take as long as a mesh of usual size, read anew
 _INCLUDE = re.compile(rb"""<(?:xacro:)?include\s[^<>]*?filename\s*=\s*["']([^"'<]+)["']""")
 _FIND = re.compile(r"\$\(find ([^)]*)\)")
 _MOST_SOURCE = 1 << 24
@@ -130,12 +128,10 @@ def _has_srdf(urdf: Path, srdf: Path) -> bool:
 
 
 def files_of(sources: Sequence[str | os.PathLike[str] | bytes], including: bool = False) -> list[str | bytes]:
-    """Return the files in the order given; a folder's and a pattern's in the order of their names; each once.
-
-    Of a folder all .urdf below it, and all .xacro that no other includes; of a mesh, an SRDF or a xacro file of macros
-    its `related_descriptions`, with a warning where there are none; with `including` also of one that others include.
-    A folder or a pattern without a description is an InputError, or a warning where others are named as well.
-    """
+    """Return the files in the order given; a folder's and a pattern's in the order of their names; each once. Of a
+    folder all .urdf below it, and all .xacro that no other includes; of a mesh, an SRDF or a xacro file of macros its
+    `related_descriptions`, with a warning where there are none; with `including` also of one that others include. A
+    folder or a pattern without a description is an InputError, or a warning where others are named as well."""
     found: dict[str | bytes, None] = {}
     errors: list[InputError] = []
     for source in sources:

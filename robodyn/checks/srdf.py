@@ -23,11 +23,9 @@ _LINKS = {
     "enable_collisions": ("link1", "link2"),
 }
 _JOINTS = {"passive_joint": "name", "joint_property": "joint_name"}
-_FREE_BASE = "root_joint"
-"""Pinocchio's name for the joint of a free base."""
+_FREE_BASE = "root_joint"  # Pinocchio's name for the joint of a free base
 _MOST_READ = 20_000_000
-_FEWEST = 3
-"""Names that an SRDF must use at least for it to be known as another robot's by them."""
+_FEWEST = 3  # names that an SRDF must use at least for it to be known as another robot's by them
 
 
 class Named(NamedTuple):

@@ -37,10 +37,8 @@ _END_TAG = re.compile(rb"</([^ \t\r\n>]+)[ \t\r\n]*>\s*")
 @dataclass(frozen=True, slots=True, eq=False)
 class Waiver:
     """A comment that is meant as a waiver, with its text after `robodyn:`; without codes where it is not understood.
-
     The bytes `erased` go when the waiver goes. From `start` to `end` are the element that it is about and what follows
-    up to the next one outside that; equal without one.
-    """
+    up to the next one outside that; equal without one."""
 
     at: Span
     text: str

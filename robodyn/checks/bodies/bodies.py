@@ -25,15 +25,11 @@ from robodyn.solids.inertia.validity import Box, around, half_size
 from robodyn.support.floats import Floats
 from robodyn.support.wording import figure, one_of
 
-_FILLED = 0.35
-"""Volume of a part over that of the box around it: the median of meshes of published robots."""
-_LEAST_FILLED = 0.03
-"""Volume over the box's below which a surface that is not closed encloses nothing definite."""
+_FILLED = 0.35  # volume of a part over that of the box around it: the median of meshes of published robots
+_LEAST_FILLED = 0.03  # volume over the box's below which a surface that is not closed encloses nothing definite
 _LEAST_SHARE = 0.01
-_MASS = 1e-6
-"""Relative difference of masses that are the same."""
-_NEAR = 1e-3
-"""Metres between centres of mass that are the same."""
+_MASS = 1e-6  # relative difference of masses that are the same
+_NEAR = 1e-3  # metres between centres of mass that are the same
 _EXACT = 0.02
 
 
@@ -140,11 +136,9 @@ class Shaped(NamedTuple):
 
 
 def shaped(context: Context) -> Mapping[str, Shaped]:
-    """By name the links of which all visual shapes are known, or else all collision shapes, as uniform solids.
-
-    A mesh that is not closed counts as what its triangles enclose with their boundary's cone to a point inside, where
-    that is like a body, as it is of 98 in 100.
-    """
+    """By name the links of which all visual shapes are known, or else all collision shapes, as uniform solids. A mesh
+    that is not closed counts as what its triangles enclose with their boundary's cone to a point inside, where that is
+    like a body, as it is of 98 in 100."""
     known, facts = context.once(solids), context.once(all_facts)
     found = {}
     for link in context.view.links:
@@ -202,8 +196,7 @@ class Body:
         c: (3,) centre of mass in the link's frame [m].
         S: (3, 3) second moments about the centre, along the link's axes [kg m^2]; None without a tensor, or if it is 0.
         own: box around the link's shapes, along its axes; group: around those of its rigid group, in the frame of the
-            group's first link, in which `pose` is that of the link.
-    """
+            group's first link, in which `pose` is that of the link."""
 
     link: LinkView
     inertial: InertialView

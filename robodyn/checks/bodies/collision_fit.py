@@ -28,14 +28,11 @@ surround marks of 3 mm.
 _FITTING, _BETTER, _MUCH_BETTER = 0.2, 2.0, 3.0
 """Volume that a cylinder with its numbers exchanged shares with what is seen over that of both, and how many times that
 as it stands; below twice that volume much more. Of the same shapes two get better at all, from 0.32 to 0.5."""
-_ALIKE = 0.1
-"""Sides of the boxes of two meshes of one part differ by less: one may be simplified."""
-_ASIDE, _LEAST = 0.15, 0.01
-"""Of the size of a shape, and in metres: as far the collision shape is away at least."""
+_ALIKE = 0.1  # sides of the boxes of two meshes of one part differ by less: one may be simplified
+_ASIDE, _LEAST = 0.15, 0.01  # of the size of a shape, and in metres: as far the collision shape is away at least
 _TOGETHER, _NEARER = 0.03, 4.0
 """Of the size of a mesh: corners of the box around what fits; and how many times farther those of what does not are."""
-_APART = 0.5
-"""Of the larger of two different shapes: a gap as wide is between them."""
+_APART = 0.5  # of the larger of two different shapes: a gap as wide is between them
 _OTHER, _OWN = 0.8, 0.5
 """Shared volume of the boxes over that of both: at least with another link's visual, and at most with its own.
 
@@ -45,8 +42,7 @@ elsewhere), and 1360 more than 0.8.
 _UNLIKE = 0.2
 """Shared volume at most of one mesh each for both, whatever else it fits: of the same links 10, all of them found by
 where they stand; the next has 0.22."""
-_SCALED, _EVEN = 1.25, 1.05
-"""Least factor between sizes, and how far it may differ between axes."""
+_SCALED, _EVEN = 1.25, 1.05  # least factor between sizes, and how far it may differ between axes
 
 
 class Misfit(NamedTuple):

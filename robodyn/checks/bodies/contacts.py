@@ -24,23 +24,18 @@ from robodyn.support.floats import Floats
 
 _TOUCH = 0.02
 _MOVED, _LEAST_MOVED = 0.1, 0.01
-_FIXED, _LEAST_FIXED = 0.5, 0.05
-"""Of the larger part, and in metres; a sensor may stand off what it is fixed to."""
+_FIXED, _LEAST_FIXED = 0.5, 0.05  # of the larger part, and in metres; a sensor may stand off what it is fixed to
 _OTHERS, _MOST = 2, 0.9
 """Least number of other joints, which show how this robot is drawn, and the share of those that have parts which touch.
 Of 86 published robots, iCub's two oldest descriptions have less."""
-_LARGE = 60
-"""Links that fixed joints join: more than any of 86 published robots has."""
-_MILLIMETRES = 1.0
-"""Entries of an origin [m] from which on they may be in mm."""
+_LARGE = 60  # links that fixed joints join: more than any of 86 published robots has
+_MILLIMETRES = 1.0  # entries of an origin [m] from which on they may be in mm
 _TOO_LARGE = (10.0, "10 times too large"), (100.0, "in centimetres"), (1000.0, "in millimetres")
 _ALL_ROUND = spread_out(120)
 _NARROW = (0.3, 0.15, 0.08, 0.04, 0.02, 0.01)
 """Radians by which directions are varied around the best one, time after time."""
-_LEAST_DEPTH, _SHARE = 0.01, 0.1
-"""Metres, and share of the smaller shape's size, that two shapes overlap at least."""
-_MOST_PAIRS = 2000
-"""Of shapes of two links that are compared."""
+_LEAST_DEPTH, _SHARE = 0.01, 0.1  # metres, and share of the smaller shape's size, that two shapes overlap at least
+_MOST_PAIRS = 2000  # of shapes of two links that are compared
 
 
 def rest_poses(context: Context) -> Mapping[str, Pose]:
@@ -206,10 +201,8 @@ class Hull:
 def depth(first: Hull, second: Hull, bound: float) -> float:
     """Return the least distance by which the one has to move for the two to be apart [m]; 0 where it is within a bound:
     min over directions d of h1(d) + h2(-d), h being the reach; over the axes of both and the line between them, over
-    120 directions all round, and then ever nearer to the best.
-
-    Accuracy: above the true depth of the hulls, by less than a percent of the bodies' size.
-    """
+    120 directions all round, and then ever nearer to the best. Accuracy: above the true depth of the hulls, by less
+    than a percent of the bodies' size."""
     axes = np.concatenate((first.pose.R.T, second.pose.R.T))
     between = second.pose.p - first.pose.p
     line = between[None] / (length(between) or 1.0)

@@ -29,20 +29,15 @@ from robodyn.support.threads import in_threads
 from robodyn.support.wording import count, shown_path
 
 _NOT_FINITE = "coordinates must be finite"
-_LARGEST = 400_000
-"""Triangles up to which the shells of a closed surface are told from each other."""
-_LARGEST_OPEN = 50_000
-"""Triangles up to which the gaps of an open surface are looked at: a quarter of a second."""
-_SHARD = 1 << 20
-"""Bytes kept in each of 256 folders: a few thousand meshes, listed in no time."""
+_LARGEST = 400_000  # triangles up to which the shells of a closed surface are told from each other
+_LARGEST_OPEN = 50_000  # triangles up to which the gaps of an open surface are looked at: a quarter of a second
+_SHARD = 1 << 20  # bytes kept in each of 256 folders: a few thousand meshes, listed in no time
 _LONGEST, _SHORTEST = 20.0, 1e-3
 """Metres beyond which no part of a robot is; and, for such ones, of its sizes over the reach of the robot's joints."""
 _TIMES, _MINUTE = 20.0, 100.0
-_TWIN = (300.0, 3000.0)
-"""Ratio of a link's meshes that a factor of 1000 between them explains."""
+_TWIN = (300.0, 3000.0)  # ratio of a link's meshes that a factor of 1000 between them explains
 _UNEVEN = (900.0, 1100.0)
-_KILOMETRES = 900.0
-"""A scale in all axes that no file asks for: of 86 published robots none has more than 1."""
+_KILOMETRES = 900.0  # a scale in all axes that no file asks for: of 86 published robots none has more than 1
 _FLAT = 1e-2
 
 
@@ -63,8 +58,7 @@ class MeshFacts:
         mended: gaps of an open surface that `robodyn inertia` fills; None where there are too many triangles to tell.
         left: gaps that are too large for that; missing: the share of the surface of the open parts that they are.
         doubt: why the file may hold another mesh than was read.
-        digest: of the file's content; empty where nothing is kept by it.
-    """
+        digest: of the file's content; empty where nothing is kept by it."""
 
     problem: str | None = None
     remedy: str = ""
@@ -182,16 +176,13 @@ def spread_out(count: int) -> Floats:
     return np.stack((across * np.cos(turn), across * np.sin(turn), z), axis=1)
 
 
-_DIRECTIONS, _PART = spread_out(240), 8192
-"""And the points that are looked at together."""
+_DIRECTIONS, _PART = spread_out(240), 8192  # and the points that are looked at together
 
 
 def extremes(path: Path, digest: str) -> Floats | None:
     """Return (k, 3) the points of a mesh that lie farthest in 240 directions, in metres before any scale of the URDF;
-    None where it cannot be read. They are kept by the digest of the file's content, unless it is empty.
-
-    Accuracy: their hull lies in the mesh's; of a smooth body of size d it falls short of that by about d / 240.
-    """
+    None where it cannot be read. They are kept by the digest of the file's content, unless it is empty. Accuracy: their
+    hull lies in the mesh's; of a smooth body of size d it falls short of that by about d / 240."""
     store, key = shelf(digest, f"{path.suffix.lower()} extremes")
     data = store.get(key)
     if data is not None:

@@ -30,9 +30,8 @@ def limits_along_motion(context: Context) -> Faults:
     """The limits hold along the given motion.
 
     With --trajectory FILE: the torques of inverse dynamics, speeds and positions along the motion, against effort,
-    velocity, lower and upper. It is what robodyn torques --fail-on-limits says, among the other findings. The
-    examples are held against a motion that swings the arm by 1 rad.
-    """
+    velocity, lower and upper. It is what robodyn torques --fail-on-limits says, among the other findings. The examples
+    are held against a motion that swings the arm by 1 rad."""
     if context.asked.trajectory is None:
         return
     from robodyn.loads.torques import torques
@@ -94,11 +93,10 @@ def regression(context: Context) -> Faults:
     """The dynamics are those of the earlier version.
 
     With --against REF, the robot is compared with what git has of the same file at that revision, with --against FILE
-    with another description, as `robodyn diff` does: the tree, joints, masses, what acts on joints, and the torques
-    of both. Moving a fixed frame, renaming a fixed joint or splitting a link changes nothing here. Of a xacro file the
+    with another description, as `robodyn diff` does: the tree, joints, masses, what acts on joints, and the torques of
+    both. Moving a fixed frame, renaming a fixed joint or splitting a link changes nothing here. Of a xacro file the
     version is expanded with the files that it includes as they were. The examples are two versions of a file: the bad
-    one is compared with the good one.
-    """
+    one is compared with the good one."""
     against = context.asked.against
     if against is None:
         return
@@ -136,8 +134,7 @@ def model_at(context: Context, ref: str) -> Model | str:
     there is none.
 
     Raises:
-        InputError: git is not there, the file is in no repository, or that has no such revision.
-    """
+        InputError: git is not there, the file is in no repository, or that has no such revision."""
     from io import BytesIO
     from tarfile import open as open_archive
     from tempfile import TemporaryDirectory

@@ -35,8 +35,7 @@ from robodyn.support.wording import figure, one_of
 FAR = 4.0
 """Times the bound that are an error."""
 _SLIGHT = 1.1
-_EDGE = 1e-3
-"""Of the squared side of a box: a centre of mass this near a face may as well be in the middle."""
+_EDGE = 1e-3  # of the squared side of a box: a centre of mass this near a face may as well be in the middle
 _ADVICE = "check the unit (kg m^2) and the point (the centre of mass) of the inertia, and the mass"
 
 
@@ -49,8 +48,7 @@ def inertia_beyond_shapes(context: Context) -> Faults:
     those of all links that fixed joints join, each in its box. A trace above its bound is a warning, above four times
     its bound an error, unless it is the root's; above four times what the link's own shapes allow a warning. The second
     bound is a remark, and a warning where it is exceeded four times wherever the centre is. Links of less than 1 % of
-    the mass that they are fixed to are passed over.
-    """
+    the mass that they are fixed to are passed over."""
     for body in judged(context):
         fault = None if body.S is None else _beyond_reach(body, body.S) or _beyond_box(body)
         if fault is not None:
@@ -107,10 +105,8 @@ def _fault(body: Body, severity: Severity, what: str, *spread: float) -> Fault:
     return Fault(body.tensor_span, what, _ADVICE, measured, bound, severity=severity, kind="beyond the shapes")
 
 
-_OFF = 0.1
-"""Of the size of the box: as little may be a part that is not drawn."""
-_NEAR = 0.3
-"""Of its distance from the middle of the shapes: as far from it a centre may be whose sign was wrong."""
+_OFF = 0.1  # of the size of the box: as little may be a part that is not drawn
+_NEAR = 0.3  # of its distance from the middle of the shapes: as far from it a centre may be whose sign was wrong
 
 
 @rule("RD302", Severity.WARNING, Stage.TREE, good=a_shaped_link(), bad=('"0 0 0.12"', '"0 0 0.5"'))
@@ -121,8 +117,7 @@ def centre_outside_shapes(context: Context) -> Faults:
     the axes of the group's first link. Up to a tenth of the box's diagonal outside is passed over, for parts that are
     not drawn; beyond one diagonal it is an error, unless the group is the root's. Where the mesh of a shape is not
     known the group is not judged. Where one coordinate with the other sign is in the middle of the link's own shapes,
-    that is said; where its mirror twin tells where the centre is, RD403 does.
-    """
+    that is said; where its mirror twin tells where the centre is, RD403 does."""
     images = {one.link.name: one.c for one in context.once(twins) if one.shift > one.most_shift}
     for body in judged(context, tensors=False):
         if body.group is None:
@@ -148,10 +143,8 @@ def centre_outside_shapes(context: Context) -> Faults:
 
 
 _LEAST, _LEAST_SHELL = 0.05, 0.1
-_DENSEST = 19300.0
-"""Of tungsten [kg/m^3]."""
-_FAR = 0.01
-"""Of the ball's moment: what is less is a mass or a size that no link has, of which RD209 and RD210 tell."""
+_DENSEST = 19300.0  # of tungsten [kg/m^3]
+_FAR = 0.01  # of the ball's moment: what is less is a mass or a size that no link has, of which RD209 and RD210 tell
 _REMEDY = "check the unit (kg m^2) and the mass; write the inertia of the part"
 
 
@@ -166,8 +159,7 @@ def inertia_below_shell(context: Context) -> Faults:
     mass is in one spot or, where it is one axis only, on a line. Where a shape encloses no definite volume, the largest
     principal moment is at least a tenth of that of the largest shell that fits into the box around the shapes, 2/3 m
     r^2; of a link without shapes at least that of a ball of tungsten. That of a point is RD204's, and a mass beyond any
-    solid RD304's.
-    """
+    solid RD304's."""
     known = context.once(shaped)
     for body in judged(context):
         tensor, shape = body.link.tensor, known.get(body.link.name)
@@ -232,8 +224,7 @@ def density_out_of_band(context: Context) -> Faults:
     The mass of a rigid group over the volume of the box around its visual shapes (or else its collision shapes) is
     between 10 and 9000 kg/m^3, which the thresholds `least-density` and `most-density` set: most of a box is air, and
     solid steel that fills it has 7850. Where mass and shapes do not fit each other, it is no second defect that the
-    inertia or the centre of mass does not fit the shapes (RD301, RD302).
-    """
+    inertia or the centre of mass does not fit the shapes (RD301, RD302)."""
     known, poses, limits = context.once(solids), context.once(link_poses), context.thresholds
     explained = {name for name, one in context.once(weighed).items() if one.units}
     for group in context.tree.groups:

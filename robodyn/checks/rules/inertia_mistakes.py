@@ -32,25 +32,19 @@ DIFFERENT = 0.10
 """How far a tensor may be from its twin's mirror image before something is wrong, relative to its largest entry."""
 SAME = 0.02
 """How near a correction must come to the twin's mirror image."""
-_BEYOND = 1.0
-"""A tensor that is as far from that of the link's shapes as this is large, is beyond them."""
+_BEYOND = 1.0  # a tensor that is as far from that of the link's shapes as this is large, is beyond them
 _DIGITS = 12
-_HIDDEN = frozenset({"RD307", "RD309", "RD313"})
-"""The causes that leave a tensor possible."""
+_HIDDEN = frozenset({"RD307", "RD309", "RD313"})  # the causes that leave a tensor possible
 _MOST_LISTED, _MOST_NAMED = 4, 2
-_ALONE = 0.8
-"""Of the probability of a cause: the share of one correction that is the only one."""
-_ONE_SIDED = frozenset({"RD307", "RD308", "RD309"})
-"""The causes of which it is plain which one of two twins is wrong."""
+_ALONE = 0.8  # of the probability of a cause: the share of one correction that is the only one
+_ONE_SIDED = frozenset({"RD307", "RD308", "RD309"})  # the causes of which it is plain which one of two twins is wrong
 
 
 @dataclass(frozen=True, eq=False)
 class Cause:
     """What explains a wrong tensor, with the code of the rule that documents it, the corrected entries (None where they
-    cannot be told) and the edit that writes them (nor where it may as well be the twin that is wrong).
-
-    A body could have a `physical` one, so that no other rule reports it; `by_image` is one that the twin alone shows.
-    """
+    cannot be told) and the edit that writes them (nor where it may as well be the twin that is wrong). A body could
+    have a `physical` one, so that no other rule reports it; `by_image` is one that the twin alone shows."""
 
     code: str
     what: str
@@ -61,15 +55,13 @@ class Cause:
 
 
 def causes(context: Context) -> Mapping[str, Cause]:
-    """Return by link the cause of its wrong tensor where there is exactly one. From stage DOCUMENT on.
-
-    The link's own shapes name it (see `mistakes`), or else its mirror twin: the tensor is more than 10 % from the
-    mirror image of the twin's, and one correction alone is possible, not beyond the link's shapes, and within 2 % of
-    that image. The twin counts only where it is possible itself, and its shapes blame nothing on it; it is the one that
-    is wrong where the correction would carry the tensor away from the link's shapes. Two corrections that explain it
-    explain nothing, but that a copy of the twin also has wrong signs, and that several orders of the entries are one
-    cause without a correction.
-    """
+    """Return by link the cause of its wrong tensor where there is exactly one. From stage DOCUMENT on. The link's own
+    shapes name it (see `mistakes`), or else its mirror twin: the tensor is more than 10 % from the mirror image of the
+    twin's, and one correction alone is possible, not beyond the link's shapes, and within 2 % of that image. The twin
+    counts only where it is possible itself, and its shapes blame nothing on it; it is the one that is wrong where the
+    correction would carry the tensor away from the link's shapes. Two corrections that explain it explain nothing, but
+    that a copy of the twin also has wrong signs, and that several orders of the entries are one cause without a
+    correction."""
     twins, found = {pair.right.name: pair for pair in context.once(pairs)}, dict[str, Cause]()
     for link in context.view.links:
         twin, wrong = twins.get(link.name), link
@@ -253,8 +245,7 @@ def unit_slip(context: Context) -> Faults:
     solid that its own shapes are: by density, centre, size and form. A unit is named where it is nine times as probable
     as everything else together, any factor that belongs to no unit included; otherwise the candidates are listed in a
     warning. Tensors near a multiple of the identity and round numbers are made up, not in other units. RD301 to RD304
-    are silent about such a link.
-    """
+    are silent about such a link."""
     for name, verdict in context.once(weighed).items():
         if not verdict.units:
             continue
@@ -291,8 +282,7 @@ def product_signs(context: Context) -> Faults:
 
     URDF's ixy is an entry of the inertia matrix, minus the integral of x y dm. Many CAD programs print plus that
     integral, and then all three signs are wrong, but not the diagonal. RD206 and RD207 name the cause of tensors that
-    no body has; this rule reports those that a body could have, but not this link, by its mirror twin or its shapes.
-    """
+    no body has; this rule reports those that a body could have, but not this link, by its mirror twin or its shapes."""
     return faults(context, "RD306")
 
 
@@ -301,10 +291,9 @@ def about_origin(context: Context) -> Faults:
     """The tensor is about the centre of mass.
 
     URDF requires the tensor about the centre of mass, where the origin of <inertial> is. About the link's origin it is
-    larger by m (|c|^2 1 - c c^T), the term of the parallel axis theorem. Such a tensor is physical, and so it takes
-    the link's shapes or its mirror twin to see it: corrected, it is within 20 % of the inertia of the uniform solid
-    that the shapes are, and twice as near as it stands.
-    """
+    larger by m (|c|^2 1 - c c^T), the term of the parallel axis theorem. Such a tensor is physical, and so it takes the
+    link's shapes or its mirror twin to see it: corrected, it is within 20 % of the inertia of the uniform solid that
+    the shapes are, and twice as near as it stands."""
     return faults(context, "RD307")
 
 
@@ -315,8 +304,7 @@ def parallel_axis_again(context: Context) -> Faults:
     A tensor that is about the centre of mass already becomes too small, and often impossible, where m (|c|^2 1 - c c^T)
     is subtracted from it, and too large where the term is added twice. That adding the term makes a tensor possible is
     no evidence: the shapes or the twin have to agree. RD206 and RD207 name the cause of tensors that no body has; this
-    rule reports the others.
-    """
+    rule reports the others."""
     return faults(context, "RD308")
 
 
@@ -329,9 +317,8 @@ def rpy_not_applied(context: Context) -> Faults:
     """The tensor is in the axes of its <origin>.
 
     Where <origin> in <inertial> has an rpy, the tensor is in the axes turned by it. A tensor in the link's axes is
-    right with rpy 0 only. Its principal moments are right either way: it takes the link's shapes or its mirror twin
-    to see it.
-    """
+    right with rpy 0 only. Its principal moments are right either way: it takes the link's shapes or its mirror twin to
+    see it."""
     return faults(context, "RD309")
 
 
@@ -342,8 +329,7 @@ def entry_order(context: Context) -> Faults:
     MuJoCo's fullinertia is ixx iyy izz ixy ixz iyz, Voigt's order ixx iyy izz iyz ixz ixy, and a triangle by columns
     ixx ixy iyy ixz iyz izz; a matrix of nine entries, row by row, has iyx in fourth place. Pasting one for another
     gives a tensor that no body has, whose cause RD206 and RD207 name, or wrong products, which this rule reports by the
-    link's mirror twin or its shapes.
-    """
+    link's mirror twin or its shapes."""
     return faults(context, "RD310")
 
 
@@ -352,8 +338,7 @@ def entry_decade(context: Context) -> Faults:
     """No entry is off by a power of ten.
 
     A slip of the exponent in one entry. Without a twin to compare with, only a moment can be told from others, by the
-    link's shapes. RD206 and RD207 name the cause of tensors that no body has; this rule reports the others.
-    """
+    link's shapes. RD206 and RD207 name the cause of tensors that no body has; this rule reports the others."""
     return faults(context, "RD311")
 
 
@@ -370,6 +355,5 @@ def permuted_axes(context: Context) -> Faults:
     Programs differ in which axis points up or forward. A tensor with x, y and z exchanged has the right principal
     moments about the wrong axes, and a centre of mass outside the shapes is one in those axes, too (RD302). RD206 and
     RD207 name the cause of tensors that no body has; this rule reports those that a body could have, but not this link,
-    by its mirror twin or its shapes.
-    """
+    by its mirror twin or its shapes."""
     return faults(context, "RD312")

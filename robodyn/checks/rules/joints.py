@@ -27,8 +27,7 @@ from robodyn.support.wording import alternatives, listed, shown
 def zero_axis(context: Context) -> Faults:
     """The axis of a joint that moves is not zero.
 
-    Readers divide by its length: the joint then turns about NaN, or not at all.
-    """
+    Readers divide by its length: the joint then turns about NaN, or not at all."""
     for joint in context.view.joints:
         if joint.type in WITH_AXIS and joint.axis.values is not None and not any(joint.axis.values):
             remedy = 'write the direction in the joint frame, for example xyz="0 0 1"'
@@ -40,8 +39,7 @@ def axis_length(context: Context) -> Faults:
     """The axis of a joint is a unit vector.
 
     URDF asks for it. Most readers normalise the axis, but those that do not turn the joint by a multiple of its
-    coordinate.
-    """
+    coordinate."""
     bound = context.thresholds.axis_length
     for joint in context.view.joints:
         axis = joint.axis.values
@@ -60,8 +58,7 @@ def axis_length(context: Context) -> Faults:
 def no_limit(context: Context) -> Faults:
     """Revolute and prismatic joints have a <limit>.
 
-    URDF asks for it, and urdfdom refuses the robot.
-    """
+    URDF asks for it, and urdfdom refuses the robot."""
     for joint in context.view.joints:
         if joint.type in WITH_RANGE and joint.limit is None:
             remedy = 'add <limit lower="..." upper="..." effort="..." velocity="..."/>'
@@ -81,8 +78,7 @@ def effort_velocity(context: Context) -> Faults:
     URDF asks for both wherever there is a <limit>: urdfdom refuses a file in which one is missing, also that of a fixed
     joint. With a limit of 0 some simulators never move the joint, and others do not limit it. 1e9 is a stand-in that
     nothing can be sized against: a remark; an effort in N mm is RD515's. One joint of four or more with a thousandth of
-    the effort, or a fiftieth of the speed, of all others has lost its digits.
-    """
+    the effort, or a fiftieth of the speed, of all others has lost its digits."""
     limits, of_another_unit = context.thresholds, context.once(of_numbers)
     for joint in context.view.joints:
         if joint.limit is None:
@@ -121,8 +117,7 @@ def negative_friction(context: Context) -> Faults:
     """Damping and friction are not negative.
 
     Friction takes energy out of a joint. With a negative coefficient it speeds up by itself, and a simulation
-    diverges.
-    """
+    diverges."""
     for joint in context.view.joints:
         for found in (joint.damping, joint.friction):
             if found.value is not None and found.value < 0:
@@ -143,8 +138,7 @@ _FOLLOWER = f'<axis xyz="0 1 0"/>{LIMIT}<mimic joint="shoulder" multiplier="0.5"
 def mimic_unknown_joint(context: Context) -> Faults:
     """A joint mimics one of the robot's joints.
 
-    Readers refuse the robot, or make the follower a free joint that nothing drives.
-    """
+    Readers refuse the robot, or make the follower a free joint that nothing drives."""
     joints = context.view.joint
     for joint in context.view.joints:
         if joint.mimic is None or joint.mimic.joint in joints or unexpanded(joint.mimic.joint):
@@ -165,8 +159,7 @@ def mimic_unknown_joint(context: Context) -> Faults:
 def mimic_cycle(context: Context) -> Faults:
     """Mimic joints follow one that is free, at last.
 
-    In a cycle no joint has a position of its own. Some readers follow it for ever.
-    """
+    In a cycle no joint has a position of its own. Some readers follow it for ever."""
     joints = context.view.joint
     leaders = {name: joint.mimic.joint for name, joint in joints.items() if joint.mimic is not None}
     for cycle in cycles(leaders):
@@ -181,8 +174,7 @@ def follower_range(context: Context) -> Faults:
     """A mimic joint stays within its limits wherever the joint that it follows goes.
 
     Otherwise the robot cannot move through the range that its limits promise: simulators violate the limits or the
-    coupling, and planners reach positions that the hand does not have.
-    """
+    coupling, and planners reach positions that the hand does not have."""
     for joint in context.view.joints:
         mimic, own = joint.mimic, _range(joint)
         followed = None if mimic is None else context.view.joint.get(mimic.joint)
@@ -214,9 +206,8 @@ def _range(joint: JointView) -> tuple[float, float] | None:
 def missing_axis(context: Context) -> Faults:
     """A joint that turns or slides says about which axis.
 
-    Without `<axis>` it is 1 0 0, the x axis of the joint: a part that was to turn about z rolls instead, and
-    nothing else tells. Writing it down costs nothing where x is meant.
-    """
+    Without `<axis>` it is 1 0 0, the x axis of the joint: a part that was to turn about z rolls instead, and nothing
+    else tells. Writing it down costs nothing where x is meant."""
     for joint in context.view.joints:
         if joint.type in WITH_AXIS and joint.element.find("axis") is None:
             what = f"it is {joint.type} and has no <axis>: it is taken to be 1 0 0, the x axis of the joint"
@@ -224,8 +215,7 @@ def missing_axis(context: Context) -> Faults:
 
 
 _RANGE, _SPEED = 0.4, 0.2
-_FROM_ZERO = 0.1
-"""How far from 0 the range begins, as a part of it."""
+_FROM_ZERO = 0.1  # how far from 0 the range begins, as a part of it
 _JOINT = '<axis xyz="0 0 1"/><limit lower="0" upper="0.3" effort="200" velocity="0.05"/>'
 
 
@@ -241,8 +231,7 @@ def turning_slide(context: Context) -> Faults:
 
     A lift whose type is revolute turns by as many radians as it was to rise metres, and no reader complains. Reported
     are revolute joints that begin at 0, end within 0.4 rad (23 degrees) of it, and do not exceed 0.2 rad/s: what a
-    finger or a lift does in metres, and of 86 published robots none in radians.
-    """
+    finger or a lift does in metres, and of 86 published robots none in radians."""
     for joint in context.view.joints:
         if joint.type != "revolute" or joint.limit is None:
             continue
@@ -279,9 +268,8 @@ def idle_axis(context: Context) -> Faults:
     Two joints in a row about one line, with nothing else on the body between them, do what one does: a robot has no
     such pair, and one of the two axes is wrong, or the rpy of an origin is, which was lost perhaps. Nor has it a wheel
     or a flange that turns about a line across its disc: a last part whose uniform solid is flat and round, with its
-    centre in the axis of its joint. Nor one, behind the first, that turns about y where five others or more, and all
-    of them, turn about z of their frames, as CAD programs write them.
-    """
+    centre in the axis of its joint. Nor one, behind the first, that turns about y where five others or more, and all of
+    them, turn about z of their frames, as CAD programs write them."""
     yield from _other_axis(context)
     tree, poses, shapes = context.tree, context.once(rest_poses), context.once(shaped)
     lines, near = {}, min(_ONE_LINE, _OF_REACH * reach(context))

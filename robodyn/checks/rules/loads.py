@@ -19,8 +19,7 @@ from robodyn.robot.model import Joint, Model
 from robodyn.support.floats import Floats, first_largest
 from robodyn.support.wording import figure
 
-_NOTHING = 1e-12
-"""First moments that are no more than this, by the robot's mass, are rounding [m]."""
+_NOTHING = 1e-12  # first moments that are no more than this, by the robot's mass, are rounding [m]
 STARTS = 4
 MOST_BODIES = 150
 """Of larger robots the poses are not looked at: the work grows with the square of the number, or faster."""
@@ -28,18 +27,15 @@ SWEEPS = 10
 GRAVITY = 9.81
 _CONVERGED = 1e-3
 _LEAST_LEVER = 0.05
-_WORTH = 1e-2
-"""s; damping that is slower than this on the body's own inertia is of no interest."""
+_WORTH = 1e-2  # s; damping that is slower than this on the body's own inertia is of no interest
 
 
 class Sweep:
-    """Poses in rows: for each target half of its rows raise its torque, half lower it, all from `starts`.
-
-    The torque of gravity about the joint of body t, divided by g, is y . Rot(a_j, q_j) x in the angle of each joint j
-    that matters, plus a constant, with x in the axes of body j and y in those of the joint. At t and above, x is
-    v = a_t x sum m (c - p_t) and y points up (u). Below t, x is the first moment h = sum m (c - p_j) of what joint j
-    carries and y is w = u x a_t. A row's v is zero beside and below its target, its w beside and above.
-    """
+    """Poses in rows: for each target half of its rows raise its torque, half lower it, all from `starts`. The torque of
+    gravity about the joint of body t, divided by g, is y . Rot(a_j, q_j) x in the angle of each joint j that matters,
+    plus a constant, with x in the axes of body j and y in those of the joint. At t and above, x is v = a_t x sum m (c -
+    p_t) and y points up (u). Below t, x is the first moment h = sum m (c - p_j) of what joint j carries and y is w = u
+    x a_t. A row's v is zero beside and below its target, its w beside and above."""
 
     def __init__(self, model: Model, targets: Sequence[int], low: Floats, high: Floats, free: Floats) -> None:
         self._bodies, self._low, self._high, self._free = model.bodies, low, high, free
@@ -177,8 +173,7 @@ def static_torques(context: Context) -> tuple[StaticTorque, ...]:
     mimic stay where they start. Robots on a floating base, and of more than MOST_BODIES bodies, give nothing.
 
     Accuracy: `torque` is that of `bias_forces` at `q` within 1e-12 of the weight at the farthest reach; of 4000 random
-        poses none asks for more than 1.02 times as much.
-    """
+        poses none asks for more than 1.02 times as much."""
     model = context.model
     if len(model.bodies) > MOST_BODIES or any(body.joint.kind == "floating" for body in model.bodies):
         return ()
@@ -264,8 +259,8 @@ def gravity_bounds(context: Context) -> Mapping[str, GravityBound]:
 
 
 def inverse_of_definite(M: Floats) -> Floats | None:
-    """The inverse of a positive definite matrix, None of others, by Gauss-Jordan in place: of links of next to
-    no inertia only rounding is left, which is printed, and is the same everywhere so, unlike that of LAPACK."""
+    """The inverse of a positive definite matrix, None of others, by Gauss-Jordan in place: of links of next to no
+    inertia only rounding is left, which is printed, and is the same everywhere so, unlike that of LAPACK."""
     A = M.copy()
     for k in range(len(A)):
         pivot = A[k, k]
@@ -279,12 +274,9 @@ def inverse_of_definite(M: Floats) -> Floats | None:
 
 
 def joint_space_inertia(model: Model, q: Floats) -> Floats:
-    """M(q) = sum of m J_v^T J_v + J_w^T I_c J_w over the bodies, with rotor inertias on the diagonal.
-
-    For one pose (n,) of a robot without floating joints this is ready long before `robodyn.mass_matrix` is traced.
-
-    Accuracy: 1e-12 of the largest entry.
-    """
+    """M(q) = sum of m J_v^T J_v + J_w^T I_c J_w over the bodies, with rotor inertias on the diagonal. For one pose (n,)
+    of a robot without floating joints this is ready long before `robodyn.mass_matrix` is traced. Accuracy: 1e-12 of the
+    largest entry."""
     M, columns = np.zeros((model.n, model.n)), list[Floats]()
     for body, pose in zip(model.bodies, body_poses(model, q), strict=True):
         R, p, joint = narrowed(pose.R), narrowed(pose.p), body.joint
@@ -326,8 +318,7 @@ def static_torque(context: Context) -> Faults:
     position limits; a joint without limits turns all the way round. What is reported is reached in the pose that is
     named; a worse one may exist. Less than twice the limit is a remark: springs that hold a part of the weight are no
     part of URDF, and no robot has to hold still in every pose. Loads, motion and friction come on top: robodyn torques
-    computes them. Silent where a part is detached (RD111).
-    """
+    computes them. Silent where a part is detached (RD111)."""
     silent = bool(context.once(detached)) or context.once(other_unit) is not None
     for one in () if silent else context.once(static_torques):
         limit, joint = context.view.joint[one.joint.name].limit, one.joint

@@ -47,8 +47,7 @@ def mass_not_positive(context: Context) -> Faults:
 
     No body has a negative mass, and one of zero mass that moves takes on any acceleration. A zero counts only where the
     whole rigid group (links joined by fixed joints) has no mass; it is a warning where the group carries on to one that
-    has mass, as in a universal joint: MuJoCo refuses such a group, and Gazebo drops it and all that it carries.
-    """
+    has mass, as in a universal joint: MuJoCo refuses such a group, and Gazebo drops it and all that it carries."""
     for link in context.view.links:
         if link.inertial is None or link.mass is None or link.mass > 0:
             continue
@@ -74,8 +73,7 @@ def massless_group(context: Context) -> Faults:
     Links joined by fixed joints are one body, a rigid group. A moving group without any mass makes the mass matrix
     singular. Where the group carries other bodies with mass, it is a warning: the mass matrix is regular then, but
     MuJoCo makes up a mass from collision shapes or refuses the robot, and Gazebo drops the group and all that it
-    carries.
-    """
+    carries."""
     carried = context.once(carried_masses)
     for group in context.tree.groups:
         if group.joint is None or any(link.inertial is not None for link in group.links):
@@ -98,8 +96,7 @@ def massless_group(context: Context) -> Faults:
 def incomplete_inertial(context: Context) -> Faults:
     """An <inertial> has a <mass> and an <inertia> with all six entries.
 
-    urdfdom drops an incomplete <inertial>, and the link has no mass; other readers take 0 or 1 for what is missing.
-    """
+    urdfdom drops an incomplete <inertial>, and the link has no mass; other readers take 0 or 1 for what is missing."""
     for link in context.view.links:
         inertial = link.inertial
         if inertial is None:
@@ -128,10 +125,9 @@ def incomplete_inertial(context: Context) -> Faults:
 def tiny_body(context: Context) -> Faults:
     """A moving body has a mass and a size that a machine part can have.
 
-    A rigid group (links joined by fixed joints) of less than 0.1 g, or of a radius of gyration below 0.1 mm, is a
-    slip of units or a number put in to satisfy a program. It makes the mass matrix ill-conditioned and asks for
-    tiny steps.
-    """
+    A rigid group (links joined by fixed joints) of less than 0.1 g, or of a radius of gyration below 0.1 mm, is a slip
+    of units or a number put in to satisfy a program. It makes the mass matrix ill-conditioned and asks for tiny
+    steps."""
     limits = context.thresholds
     for group in context.tree.groups:
         if group.joint is None or not group.mass or group.mass < 0:
@@ -154,8 +150,7 @@ def mass_ratio(context: Context) -> Faults:
     """The bodies on both sides of a joint differ in mass by less than a factor of 1000.
 
     A factor of 1000 is most often grams for kilograms. Where it is real, the mass matrix is ill-conditioned, and
-    iterative solvers of simulators need many more steps.
-    """
+    iterative solvers of simulators need many more steps."""
     bound, least = context.thresholds.mass_ratio, context.thresholds.least_mass
     reported: set[Group] = set()
     for group in context.tree.groups:
@@ -176,8 +171,7 @@ def mass_ratio(context: Context) -> Faults:
 def root_with_inertia(context: Context) -> Faults:
     """KDL ignores the inertia of the root.
 
-    kdl_parser warns of it and drops it. It matters for a robot whose base moves; nothing is wrong for others.
-    """
+    kdl_parser warns of it and drops it. It matters for a robot whose base moves; nothing is wrong for others."""
     root = context.tree.root
     if root.inertial is not None and root.mass and context.view.joints:
         what = f"the root has a mass of {root.mass:g} kg, which KDL ignores"
@@ -202,8 +196,7 @@ def root_mass_invented(context: Context) -> Faults:
 
     MuJoCo takes the mass of a body without an inertial from its shapes, at the density of water, and other programs
     take none. A base that stands still, as an arm's, is not affected, since MuJoCo makes it a part of the ground: asked
-    are robots that stand on two or more legs or wheels, or fly, by their links.
-    """
+    are robots that stand on two or more legs or wheels, or fly, by their links."""
     root = context.tree.root
     shapes = [shape for shape in root.geometries if shape.kind == "collision"]
     if root.inertial is None and shapes and context.model.n and untouched(context.model):
@@ -230,8 +223,7 @@ def mass_repeated(context: Context) -> Faults:
     A frame that is fixed to a part, for a tool or a camera, and has the part's inertial again doubles the mass.
     Reported are links fixed to each other with the same mass, of 1 % of what moves with them or more, and either one
     centre of mass, within 1 mm, or the same numbers throughout, where the child has no shape that the other has not.
-    Stand-ins, which have the same moment three times, do not count. Of other shapes RD208 tells.
-    """
+    Stand-ins, which have the same moment three times, do not count. Of other shapes RD208 tells."""
     known = context.once(bodies)
     for name, joint in context.once(repeated).items():
         again = known[name]
@@ -244,8 +236,7 @@ _OTHERS, _MOST = 3, 0.9
 """Least number of other links with shapes, and the share of those with an <inertial>. Of 86 published robots one has
 moving links with shapes and no <inertial> beside others that have one, and of its links with shapes half have one."""
 
-_LONG = 0.5
-"""How long it is at least, by the longest link of its rigid group."""
+_LONG = 0.5  # how long it is at least, by the longest link of its rigid group
 
 
 @rule(
@@ -261,8 +252,7 @@ def unweighed_part(context: Context) -> Faults:
     Where nine of ten of the other links with shapes have an `<inertial>`, three at least, a moving link with shapes and
     without one lost it: what is fixed to it has mass, so that the robot still loads, but too light. It is at least half
     as long as the longest link that is fixed to it, for a small one, such as a camera, may be weighed with what carries
-    it. A group that has no mass at all is RD202's.
-    """
+    it. A group that has no mass at all is RD202's."""
     shaped = [link for link in context.view.links if real_shapes(link)]
     weighed = sum(link.inertial is not None for link in shaped)
     others = len(shaped) - 1
@@ -290,9 +280,8 @@ def unweighed_part(context: Context) -> Faults:
 def zero_tensor(context: Context) -> Faults:
     """What has mass has moments of inertia.
 
-    Only a point has none. Simulators refuse such a body or put in a number of their own. It is a remark where
-    heavier links are fixed to this one, and a warning for the base, which most often stands still.
-    """
+    Only a point has none. Simulators refuse such a body or put in a number of their own. It is a remark where heavier
+    links are fixed to this one, and a warning for the base, which most often stands still."""
     for link in context.view.links:
         if link.inertial is None or not link.mass or link.mass < 0 or not is_a_point(link):
             continue
@@ -311,9 +300,8 @@ def zero_tensor(context: Context) -> Faults:
 def tensor_without_mass(context: Context) -> Faults:
     """What has no mass has no moments of inertia.
 
-    A moment of inertia is mass times distance squared. The zero is often a mass that was rounded away, or a
-    placeholder that was forgotten. A body that moves without any mass is RD201's.
-    """
+    A moment of inertia is mass times distance squared. The zero is often a mass that was rounded away, or a placeholder
+    that was forgotten. A body that moves without any mass is RD201's."""
     for link in context.view.links:
         if link.inertial is None or link.mass != 0 or link.tensor is None or not any(link.tensor):
             continue
@@ -331,12 +319,10 @@ def not_positive_definite(context: Context) -> Faults:
     """The inertia matrix is positive definite.
 
     A principal moment of inertia is a sum of mass times distance squared. With one that is zero or negative simulations
-    gain energy from nothing. The principal moments are the eigenvalues of the matrix: large products make one
-    negative although the diagonal is positive. Where no cause explains the tensor, the unsafe fix is the mirror
-    image of its twin's or, where it is farther from that of the link's shapes than that is large, the tensor of
-    these. Traversaro, Brossette, Escande, Nori, Identification of fully physical consistent inertial parameters
-    (IROS 2016).
-    """
+    gain energy from nothing. The principal moments are the eigenvalues of the matrix: large products make one negative
+    although the diagonal is positive. Where no cause explains the tensor, the unsafe fix is the mirror image of its
+    twin's or, where it is farther from that of the link's shapes than that is large, the tensor of these. Traversaro,
+    Brossette, Escande, Nori, Identification of fully physical consistent inertial parameters (IROS 2016)."""
     for link, inertial, tensor in tensors(context):
         if broken_law(tensor, context.thresholds) != "RD206":
             continue
@@ -362,11 +348,10 @@ def triangle_inequality(context: Context) -> Faults:
     """The largest principal moment is no greater than the sum of the other two.
 
     I_1 + I_2 - I_3 is twice the second moment of the mass along the third axis, a sum of mass times distance squared,
-    and so never negative. The law holds for the principal moments, in every axes; the diagonal says too little.
-    Where no cause explains the tensor, the unsafe fix is the mirror image of its twin's or, where it is farther
-    from that of the link's shapes than that is large, the tensor of these. Wensing, Kim, Slotine, Linear matrix
-    inequalities for physically consistent inertial parameter identification (RA-L 2018).
-    """
+    and so never negative. The law holds for the principal moments, in every axes; the diagonal says too little. Where
+    no cause explains the tensor, the unsafe fix is the mirror image of its twin's or, where it is farther from that of
+    the link's shapes than that is large, the tensor of these. Wensing, Kim, Slotine, Linear matrix inequalities for
+    physically consistent inertial parameter identification (RA-L 2018)."""
     for link, inertial, tensor in tensors(context):
         if broken_law(tensor, context.thresholds) != "RD207":
             continue
@@ -382,8 +367,7 @@ def triangle_inequality(context: Context) -> Faults:
         yield explained(context, fault, link)
 
 
-_FRACTION = 0.01
-"""Of the mass of its rigid group; a placeholder on less than this is a remark."""
+_FRACTION = 0.01  # of the mass of its rigid group; a placeholder on less than this is a remark
 
 _NEAR = 0.05
 
@@ -400,8 +384,7 @@ def placeholder_tensor(context: Context) -> Faults:
 
     The identity matrix, a power of ten times it, six equal entries, and numbers copied from a link of another mass are
     stand-ins; of left and right RD401 judges the masses. An inertia of 1 kg m^2 is that of a solid ball of 2 kg with a
-    radius of 1.1 m. Numbers within 5 % of the inertia of the link's own shapes are no stand-in.
-    """
+    radius of 1.1 m. Numbers within 5 % of the inertia of the link's own shapes are no stand-in."""
     first_with: dict[tuple[float, ...], LinkView] = {}
     mirrored = {frozenset((pair.left.name, pair.right.name)) for pair in context.once(pairs)}
     for link, inertial, tensor in tensors(context):

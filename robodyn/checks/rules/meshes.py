@@ -35,8 +35,7 @@ def mesh_missing(context: Context) -> Faults:
     CMAKE_PREFIX_PATH, in the folders above the file, also above the one where a symbolic link leads, and among the
     other packages of its workspace or repository; then the rest of the name is tried in the folders above. A package of
     which nothing is known is a warning, once for all its meshes that are not found; an error where the file's own
-    package or one beside it has a name that differs by a slip. Nothing is fetched.
-    """
+    package or one beside it has a name that differs by a slip. Nothing is fetched."""
     for use in mesh_uses(context):
         if not use.geometry.uri:
             yield Fault(use.at, "the mesh names no file", 'write filename="..."')
@@ -115,9 +114,8 @@ def _missing(context: Context, name: MeshName) -> Fault:
 def mesh_case(context: Context) -> Faults:
     """Meshes are named in the case that their files have.
 
-    Windows and macOS find a mesh whose name differs in case, Linux does not: the description works for its author
-    and for nobody else. The examples stand beside a file `part.stl`.
-    """
+    Windows and macOS find a mesh whose name differs in case, Linux does not: the description works for its author and
+    for nobody else. The examples stand beside a file `part.stl`."""
     for name in context.once(mesh_names).values():
         if name.state is not State.OTHER_CASE or name.found is None:
             continue
@@ -190,14 +188,13 @@ def mesh_surface(context: Context) -> Faults:
     """Meshes are closed, wound outwards, free of overlaps, and their coordinates are numbers.
 
     Mass and signed distance need a surface that encloses a volume. Reported are coordinates that are no numbers; shells
-    wound inwards that are no cavities; STL files that hold more triangles than their header counts; surfaces with
-    one side only; faces wound against their neighbours; open edges, by the boundary chain; and shells that reach
-    into another, as far as a few points of each show. The last is a remark; the three before it are a warning where
-    a link takes its mass from the mesh, being a <collision> of one without <inertial>, and remarks otherwise. Of an
-    open surface it is said, with the numbers that `robodyn inertia` goes by, whether its gaps are small enough to
-    be filled, a remark then, or what is missing. The bad example stands beside a file `open.stl`, a box without
-    lid; the good one beside `closed.stl`.
-    """
+    wound inwards that are no cavities; STL files that hold more triangles than their header counts; surfaces with one
+    side only; faces wound against their neighbours; open edges, by the boundary chain; and shells that reach into
+    another, as far as a few points of each show. The last is a remark; the three before it are a warning where a link
+    takes its mass from the mesh, being a <collision> of one without <inertial>, and remarks otherwise. Of an open
+    surface it is said, with the numbers that `robodyn inertia` goes by, whether its gaps are small enough to be filled,
+    a remark then, or what is missing. The bad example stands beside a file `open.stl`, a box without lid; the good one
+    beside `closed.stl`."""
     for uri, facts in context.once(all_facts).items():
         name = context.once(mesh_names)[uri]
         found = _wrong(facts, name)
@@ -245,11 +242,10 @@ def mesh_unit(context: Context) -> Faults:
     """Meshes have the size of their robot.
 
     STL and OBJ have no unit, URDF reads them as metres, and CAD writes millimetres. A mesh longer than 20 m and 20
-    times the longest distance between joints; or shorter than 1 mm in a robot 100 times as large; or about 1000
-    times larger or smaller than the link's other mesh; or with factors that differ by 1000 between axes, or of 1000
-    for a file that is not there, has the wrong unit; a flat one of more than 20 m is a floor. The other rules leave
-    it out. The examples stand beside a file `millimetres.stl` of a part 200 mm long.
-    """
+    times the longest distance between joints; or shorter than 1 mm in a robot 100 times as large; or about 1000 times
+    larger or smaller than the link's other mesh; or with factors that differ by 1000 between axes, or of 1000 for a
+    file that is not there, has the wrong unit; a flat one of more than 20 m is a floor. The other rules leave it out.
+    The examples stand beside a file `millimetres.stl` of a part 200 mm long."""
     reported = set()
     for geometry, slip in context.once(mesh_slips).items():
         assert geometry.shape is not None, "it is a mesh"
@@ -291,8 +287,7 @@ def mesh_format(context: Context) -> Faults:
 
 
 _UP = re.compile(rb"<up_axis>\s*([XY])_UP")
-_HEAD = 1 << 14
-"""Bytes in which COLLADA files say it."""
+_HEAD = 1 << 14  # bytes in which COLLADA files say it
 
 
 @rule("RD624", Severity.NOTE, good=a_mesh("z_up.dae", "visual"), bad=("z_up", "y_up"))
@@ -301,8 +296,7 @@ def axis_up(context: Context) -> Faults:
 
     A COLLADA file says which of its axes points up. Pinocchio, trimesh, yourdfpy and robodyn keep the axes as they are
     in the file, as RViz and Gazebo do; Blender and other editors turn what is Y_UP by 90 degrees. So a link that stands
-    upright in the editor lies down in the simulator. The examples stand beside the meshes that they name.
-    """
+    upright in the editor lies down in the simulator. The examples stand beside the meshes that they name."""
     turned = []
     for name in context.once(mesh_names).values():
         if name.path is not None and name.path.suffix.lower() == ".dae":

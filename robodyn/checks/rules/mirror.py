@@ -34,10 +34,8 @@ _FACTORS = (
     (100.0, False, "100 times the other, as with the decimal point two places off"),
 )
 """Of masses, each with whether the larger one is in another unit."""
-_EXACT = 1e-3
-"""How far the ratio may be from a factor: masses of twins are equal or differ by chance."""
-_LIGHT = 1e-3
-"""Sensors and marks that weigh no more [kg] are put where there is room."""
+_EXACT = 1e-3  # how far the ratio may be from a factor: masses of twins are equal or differ by chance
+_LIGHT = 1e-3  # sensors and marks that weigh no more [kg] are put where there is room
 
 
 @rule(
@@ -121,8 +119,7 @@ def mirror_image(context: Context) -> Faults:
     radius of gyration and 1 mm from the mirror image. Where the very same part is mounted on both sides, it is no
     mirror image of itself: where both links have the same <visual> shapes (or, without any, the same <collision>
     shapes), what goes with these is as good. Twins are found as RD401 says; where one cause explains the tensor, RD306
-    to RD313 name it instead, and where no body can have one of the two, RD204, RD206 or RD207 do.
-    """
+    to RD313 name it instead, and where no body can have one of the two, RD204, RD206 or RD207 do."""
     for one in context.once(twins):
         both = (context.once(causes).get(each.name) for each in (one.pair.left, one.pair.right))
         reported = one.centre_is_copied and any(each is not None and each.code == "RD313" for each in both)
@@ -160,8 +157,7 @@ def copied_from_twin(context: Context) -> Faults:
     A reflection turns the sign of two products of inertia. A tensor that equals its twin's entry by entry, in mirrored
     axes, was copied. It is right only where the same part is mounted on both sides, turned and not mirrored: where both
     links have the same meshes at the same place nothing is reported, and otherwise a waiver says so. Where the centre
-    of mass is a copy, too, RD403 does not report it again.
-    """
+    of mass is a copy, too, RD403 does not report it again."""
     for one in context.once(twins):
         cause = context.once(causes).get(one.link.name)
         if cause is None or cause.code != "RD313" or (one.tensors_apart <= MOMENTS and not one.centre_is_copied):
@@ -174,11 +170,9 @@ def copied_from_twin(context: Context) -> Faults:
         yield Fault(one.inertial.entries[0].span, what, _REFLECT, one.tensors_apart, kind="a copy of its twin")
 
 
-_LIMIT = 0.02
-"""How far limits may differ: in rad or m, or as a part of the range, whichever is more."""
+_LIMIT = 0.02  # how far limits may differ: in rad or m, or as a part of the range, whichever is more
 _MAGNITUDE = 0.02
-_TURNS = 4 * pi
-"""RD507 reports ranges of revolute joints that go farther [rad]."""
+_TURNS = 4 * pi  # RD507 reports ranges of revolute joints that go farther [rad]
 _CORRECT_JOINT = _ONE_OF_TWO.format("joints")
 
 
@@ -196,8 +190,7 @@ def mirror_joint(context: Context) -> Faults:
     limits; where it is the image reversed, lower and upper change places and signs; on a part that is mounted on both
     sides either is right. Copying limits from left to right where the axes ask for a change of sign is a common slip: a
     knee then bends the wrong way. So is a joint that was fixed for a test, while its twin still moves. Twins are found
-    as RD401 says. Ranges that RD503, RD504 or RD507 report are not compared.
-    """
+    as RD401 says. Ranges that RD503, RD504 or RD507 report are not compared."""
     found = context.once(symmetry)
     for pair in () if found is None else (way for each in found.pairs.values() for way in (each, each.turned)):
         assert found is not None, "it has pairs"
@@ -276,8 +269,7 @@ def mirror_origin(context: Context) -> Faults:
     mirror plane is the robot's own, as RD401 finds it. Reported are joints whose parent is one link in that plane or on
     two links that are twins. Passed over are fixed ones that carry no mass, such as sensors; what is mounted alike on a
     part that is itself mounted on both sides, as fingers on a gripper; and frames that lie askew where no sign in rpy
-    explains it.
-    """
+    explains it."""
     found, heavy = context.once(symmetry), set[str]()
     if found is None:
         return
@@ -350,8 +342,7 @@ def _flips(values: tuple[float, ...], names: Sequence[str]) -> Iterator[tuple[st
             yield " and ".join(names[k] for k in chosen), flipped
 
 
-_OFF, _LEAST_OFF = 0.15, 0.01
-"""Of the size of the box around the shapes, and in metres."""
+_OFF, _LEAST_OFF = 0.15, 0.01  # of the size of the box around the shapes, and in metres
 _ARMS = two_arms()
 for _at in (ORIGIN, ORIGIN_IMAGE):
     _shape = f'<collision>{_at}<geometry><cylinder radius="0.05" length="0.2"/></geometry></collision>'
@@ -373,8 +364,7 @@ def mirror_shapes(context: Context) -> Faults:
     other's mirror image, or that of one part mounted on both sides, within 15 % of their size and 1 cm; and where the
     one has some, so has the other. Where one link's <visual> and <collision> shapes are farther from each other than
     those of its twin, it is the wrong one. A mesh for both whose file says left or right, and has a counterpart beside
-    it, is one of them too often.
-    """
+    it, is one of them too often."""
     yield from _mesh_of_the_other(context)
     known, found = context.once(solids), context.once(symmetry)
     for pair in () if found is None else (way for each in found.pairs.values() for way in (each, each.turned)):

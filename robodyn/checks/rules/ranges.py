@@ -18,8 +18,7 @@ from robodyn.robot.urdf.view import JointView, LimitView, Numbers, numbers
 def inverted_limits(context: Context) -> Faults:
     """The lower limit is less than the upper one.
 
-    No position keeps to both limits. Controllers clamp to one of them, and drive the joint into a stop there.
-    """
+    No position keeps to both limits. Controllers clamp to one of them, and drive the joint into a stop there."""
     for joint in context.view.joints:
         if joint.limit is None or joint.limit.range is None or joint.type not in WITH_RANGE:
             continue
@@ -39,8 +38,7 @@ def no_range(context: Context) -> Faults:
 
     A revolute or prismatic joint needs lower and upper; an absent one is 0, and with both absent the joint is frozen. A
     stand-in such as 1e16 passes for a range. A joint that turns freely, as a wheel or a propeller does, is `continuous`
-    and has neither.
-    """
+    and has neither."""
     for joint in context.view.joints:
         limit = joint.limit
         if limit is None or limit.range is None or joint.type not in WITH_RANGE:
@@ -64,12 +62,9 @@ def no_range(context: Context) -> Faults:
 
 
 _ONE_TURN = 2 * pi * (1 + 1e-3)
-_TURNS = 4 * pi
-"""Between its limits a joint may well turn twice to each side; no rpy needs to."""
-_DEGREES = 720.0
-"""Two turns: of limits beyond them, even if they are in degrees, hardly any is one."""
-_STEP = 5.0
-"""Angles written in degrees are most often multiples of this."""
+_TURNS = 4 * pi  # between its limits a joint may well turn twice to each side; no rpy needs to
+_DEGREES = 720.0  # two turns: of limits beyond them, even if they are in degrees, hardly any is one
+_STEP = 5.0  # angles written in degrees are most often multiples of this
 
 
 @rule(
@@ -83,8 +78,7 @@ def degrees(context: Context) -> Faults:
 
     An rpy of 90 is a turn by 90 rad, that is 14 turns and 117 degrees. A limit of 180 is none. A joint that does turn
     more than once between its limits is the exception. The ends of a range, with the soft limits, are turned into
-    radians together, where all of them are round in degrees, or not at all; a range that is round is an error.
-    """
+    radians together, where all of them are round in degrees, or not at all; a range that is round is an error."""
     view = context.view
     inertials = [link.inertial for link in view.links if link.inertial is not None]
     shapes = [geometry for link in view.links for geometry in link.geometries]
@@ -149,9 +143,8 @@ _SLACK = 1e-9
 def soft_limits(context: Context) -> Faults:
     """Soft limits lie within the hard limits, lower below upper.
 
-    The safety controller begins to brake at the soft limit. Outside the hard one it never does, and the joint meets
-    its end stop at full speed.
-    """
+    The safety controller begins to brake at the soft limit. Outside the hard one it never does, and the joint meets its
+    end stop at full speed."""
     for joint in context.view.joints:
         safety = joint.element.find("safety_controller")
         limit = joint.limit
@@ -171,8 +164,7 @@ def soft_limits(context: Context) -> Faults:
             yield Fault(soft["lower"].span, what, "exchange the two", lower, upper)
 
 
-_ALMOST_A_TURN = 2 * pi * (1 - 1e-2)
-"""A little less, for limits such as 3.14."""
+_ALMOST_A_TURN = 2 * pi * (1 - 1e-2)  # a little less, for limits such as 3.14
 
 
 @rule("RD513", Severity.WARNING, good=arm(), bad=arm(f'<axis xyz="0 1 0"/>{LIMIT}', "continuous"))
@@ -180,8 +172,8 @@ def continuous_with_range(context: Context) -> Faults:
     """A joint that turns freely has no range that leaves angles out.
 
     Readers ignore lower and upper of a continuous joint. A range that is less than a whole turn says that the part has
-    stops: a revolute joint was meant. Ranges of a turn and more leave nothing out, and lower = upper is taken for none.
-    """
+    stops: a revolute joint was meant. Ranges of a turn and more leave nothing out, and lower = upper is taken for
+    none."""
     for joint in context.view.joints:
         limit = joint.limit
         if joint.type != "continuous" or limit is None or limit.range is None:
@@ -199,14 +191,12 @@ def continuous_with_range(context: Context) -> Faults:
 
 _PER_RADIAN = 180 / pi
 _TURNING = ("revolute", "continuous")
-_FASTEST = 20.0
-"""Speeds [rad/s, m/s] up to which nothing is in doubt; a wheel or a propeller may turn `_FREELY` fast."""
+_FASTEST = 20.0  # speeds [rad/s, m/s] up to which nothing is in doubt; a wheel or a propeller may turn `_FREELY` fast
 _FREELY = 60.0
 _SPEED_GAP, _SPEED_BAND = 8.0, 2.0
 """How many times all the others' a limit is at least, and how near to theirs it is when it is divided."""
 _EFFORT_GAP, _EFFORT_BAND = 100.0, 3.0
-_ROUND, _SLOWEST = 5.0, 45.0
-"""Speeds in degrees are multiples of 5, and of a whole robot not below 45."""
+_ROUND, _SLOWEST = 5.0, 45.0  # speeds in degrees are multiples of 5, and of a whole robot not below 45
 _LONG, _TRACK, _REACHES = 5.0, 50.0, 20.0
 """A slide of more metres (a track, which carries all other joints, of more), which is as many times as long as the
 robot's longest offset, is in millimetres."""
@@ -314,12 +304,11 @@ def limit_unit(context: Context) -> Faults:
     """Limits are in rad/s, N m, m and m/s.
 
     A speed of 120 is 120 rad/s, 1146 turns a minute: at a joint, deg/s were meant. Reported are turning joints of which
-    the speed is at least 8 times that of all others and among theirs when it is divided by 57.3, or all of which
-    have round speeds from 45 on, and one of which turns within a range; efforts at least 100 times those of all
-    others and among theirs when they are divided by 1000, which are N mm; and slides of more than 5 m, or 50 m
-    of a track that carries all other joints, which are 20 times the robot's longest offset between joints, or as fast
-    per second, which are in mm. Powers of ten and all nines are stand-ins, and left to RD803.
-    """
+    the speed is at least 8 times that of all others and among theirs when it is divided by 57.3, or all of which have
+    round speeds from 45 on, and one of which turns within a range; efforts at least 100 times those of all others and
+    among theirs when they are divided by 1000, which are N mm; and slides of more than 5 m, or 50 m of a track that
+    carries all other joints, which are 20 times the robot's longest offset between joints, or as fast per second, which
+    are in mm. Powers of ten and all nines are stand-ins, and left to RD803."""
     for slip in context.once(limit_slips):
         name, value = slip.numbers.attribute, slip.numbers.value
         assert value is not None, "it is a slip of it"

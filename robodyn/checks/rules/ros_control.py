@@ -45,8 +45,7 @@ def names_nothing(context: Context) -> Faults:
     that its plugins name (jointName, mimicJoint, bodyName and so on; no frames, which others may publish), and the SRDF
     of the same name (or the only one for this robot) beside the file or in a folder config or srdf. Collisions of links
     that do not exist, and an SRDF of another name, which may belong to a variant of the robot, are warnings.
-    root_joint, as Pinocchio calls a free base, is understood. A plugin of Gazebo names its library.
-    """
+    root_joint, as Pinocchio calls a free base, is understood. A plugin of Gazebo names its library."""
     view = context.view
     both = {**view.link, **view.joint}
     remedies: dict[str, str] = {}
@@ -121,8 +120,7 @@ def transmission(context: Context) -> Faults:
     A joint in two transmissions gets two drives, or the later one replaces the earlier. A reduction of 0 is refused.
     One without a type is passed over, and so is a joint whose hardware interface has a name that nobody offers; a drive
     of a fixed joint moves nothing. Types and interfaces of other packages are not judged, but for those that are the
-    usual ones' but for a slip.
-    """
+    usual ones' but for a slip."""
     root = context.view.root
     inside = [each for control in root.findall("ros2_control") for each in control.findall("transmission")]
     for transmissions in (root.findall("transmission"), inside):
@@ -234,8 +232,7 @@ def controlled_joint(context: Context) -> Faults:
     controller_manager ends at start where one interface of a joint, sensor or gpio is offered twice, and where one of
     them or an interface has no name. A fixed joint has nothing to command, and the controller that waits for it never
     starts; nor does one where the name of an interface has a letter too many. A sensor or gpio that offers nothing is
-    not there for anybody.
-    """
+    not there for anybody."""
     listed: dict[tuple[int, str, str], Element] = {}
     offered: dict[tuple[str, str, str], Element] = {}
     for control in context.view.root.findall("ros2_control"):
@@ -300,9 +297,8 @@ def control_range(context: Context) -> Faults:
     """Ranges in ros2_control are numbers, min is not above max, and positions keep to the joint's own range.
 
     The parameters min, max and initial_value of an interface are read as numbers when the hardware starts; with min
-    above max nothing can be commanded, and an initial value outside is a jump or a refusal. Positions beyond
-    <limit> of the joint are those of another joint, or in degrees; up to 5 % more of the range is passed over.
-    """
+    above max nothing can be commanded, and an initial value outside is a jump or a refusal. Positions beyond <limit> of
+    the joint are those of another joint, or in degrees; up to 5 % more of the range is passed over."""
     for part in controlled(context.view):
         for interface in part.interfaces:
             for at, what, remedy, measured, bound in _wrong(interface):
@@ -365,11 +361,10 @@ _FOLLOWED = """
 def controlled_mimic(context: Context) -> Faults:
     """ros2_control follows the joints that the URDF says are followed.
 
-    A joint with <mimic> has no command interface of its own, unless it says mimic="false"; mimic="true" needs a
-    <mimic> in the URDF; and the joint that is followed is in the same <ros2_control>: otherwise controller_manager
-    ends at start (ROS 2 Jazzy). The parameters mimic and multiplier, of Humble and before, name a joint of the same
-    <ros2_control> and agree with the URDF.
-    """
+    A joint with <mimic> has no command interface of its own, unless it says mimic="false"; mimic="true" needs a <mimic>
+    in the URDF; and the joint that is followed is in the same <ros2_control>: otherwise controller_manager ends at
+    start (ROS 2 Jazzy). The parameters mimic and multiplier, of Humble and before, name a joint of the same
+    <ros2_control> and agree with the URDF."""
     parts = [part for part in controlled(context.view) if part.element.tag == "joint"]
     for part in parts:
         beside = [other.name for other in parts if other.control is part.control]

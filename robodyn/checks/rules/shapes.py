@@ -28,8 +28,7 @@ def shape_size(context: Context) -> Faults:
     whose faces look inwards unless the program turns them: MuJoCo, Drake and trimesh do, and have its volume right;
     Pinocchio 4.1 has a negative volume and inertia of the shape. So this is a warning in a <collision>, and a remark
     where the mesh is only a <visual>, or stands unmirrored in the robot, too. Two negative scales are half a turn,
-    right in all four, and a remark.
-    """
+    right in all four, and a remark."""
     for geometry in (geometry for link in context.view.links for geometry in link.geometries):
         for size in geometry.sizes:
             if size.values is not None and min(size.values) <= 0:
@@ -76,8 +75,7 @@ def no_shape(context: Context) -> Faults:
 
     urdfdom drops a <visual> or <collision> without <geometry>, or whose <geometry> holds none of box, cylinder, sphere,
     capsule and mesh, and with it what follows in that link. Of two shapes in one <geometry> every reader takes one, and
-    not the same one.
-    """
+    not the same one."""
     for link in context.view.links:
         for geometry in link.geometries:
             inside = geometry.element.find("geometry")
@@ -113,8 +111,7 @@ def collision_misfit(context: Context) -> Faults:
     two. Shapes that are simpler on purpose are not judged by their size, unless a box, cylinder or sphere is 20 times
     as large as what is seen, or a cylinder fits that by exchanging its radius and length; meshes of one part differ by
     up to 10 % in the sides of their boxes. A shape less than 15 % of its size or 1 cm away is passed over. One mesh
-    each for both, whose boxes share at most a fifth of their volume, are two parts, or one that is turned.
-    """
+    each for both, whose boxes share at most a fifth of their volume, are two parts, or one that is turned."""
     for geometry, what, remedy, measured, bound, cause in context.once(misfits):
         at = geometry.element if geometry.origin.element is None else geometry.origin.element
         at = at if cause is None or geometry.shape is None else geometry.shape
@@ -138,8 +135,7 @@ def self_overlap(context: Context) -> Faults:
     convex hulls of collision shapes are compared, which MuJoCo and Drake collide, each joint at 0 or at its limit next
     to 0. Reported, once for a file, are pairs of links that overlap by more than 1 cm and a tenth of the smaller shape.
     Left out are neighbours, pairs that the SRDF disables, and shapes that RD609 reports. It is a remark, for many
-    robots fold into themselves where all joints are at 0.
-    """
+    robots fold into themselves where all joints are at 0."""
     found = [] if context.once(detached) else overlaps(context)
     if not found:
         return
@@ -154,8 +150,7 @@ def self_overlap(context: Context) -> Faults:
 
 
 _THIN = 1e-5
-_THINNER = 1e-3
-"""Of the longest side."""
+_THINNER = 1e-3  # of the longest side
 _COLLISION = '<collision><geometry><box size="0.1 0.1 0.25"/></geometry></collision>'
 
 
@@ -172,8 +167,7 @@ def flat_shape(context: Context) -> Faults:
 
     A mesh in a plane, and a box 1 um thick, have no volume: MuJoCo refuses such a mesh, and contacts with it pass
     through in others. Reported are collision shapes thinner than 10 um and than a thousandth of their longest side.
-    What is only seen may be a label, and be flat.
-    """
+    What is only seen may be a label, and be flat."""
     known = context.once(solids)
     for shape in (shape for link in context.view.links for shape in real_shapes(link)):
         if shape not in known or shape.shape is None or shape.kind == "visual":
@@ -185,8 +179,7 @@ def flat_shape(context: Context) -> Faults:
             yield Fault(shape.shape.span, f"{what} axis", "give it a thickness", thin, most)
 
 
-_SEEN = 0.1
-"""Two colours that differ by more in a number are two."""
+_SEEN = 0.1  # two colours that differ by more in a number are two
 _SHAPE = """<link name="base">
     <visual><geometry><box size="0.1 0.1 0.1"/></geometry><material name="grey"/></visual>
   </link>"""
@@ -206,8 +199,7 @@ def undefined_material(context: Context) -> Faults:
     Where a <material> has a name and neither color nor texture, and no other of that name has them, viewers draw the
     link in a colour of their own. Two <material> of one name in <robot> make urdfdom refuse the file; a <material>
     without a name makes it drop the shape, and what follows in that link. Of two colours of one name urdfdom takes the
-    first for all shapes, others each shape's own, and Drake refuses them.
-    """
+    first for all shapes, others each shape's own, and Drake refuses them."""
     root = context.view.root
     shared = root.findall("material")
     local = [
@@ -259,9 +251,8 @@ _RED = '\n  <material name="red"><color rgba="0.8 0.1 0.1 1"/></material>'
 def colour_range(context: Context) -> Faults:
     """Colours are four numbers from 0 to 1: red, green, blue and opacity.
 
-    urdfdom drops a colour with a number outside; others show it white, or black. Numbers to 255 are the most
-    frequent cause. An opacity of 0 is a shape that nobody sees, which some do on purpose.
-    """
+    urdfdom drops a colour with a number outside; others show it white, or black. Numbers to 255 are the most frequent
+    cause. An opacity of 0 is a shape that nobody sees, which some do on purpose."""
     for element, _, subject in context.once(own_elements):
         rgba = numbers(element, "rgba", 4) if element.tag == "color" else None
         if rgba is None or rgba.values is None or all(0 <= value <= 1 for value in rgba.values):
@@ -281,9 +272,8 @@ _WOOD = '\n  <material name="wood"><texture filename="package://part/wood.png"/>
 def texture_missing(context: Context) -> Faults:
     """Every texture is there.
 
-    Viewers draw the shape white, or say so at each frame, where the picture is missing. Names of textures are
-    looked up as those of meshes are.
-    """
+    Viewers draw the shape white, or say so at each frame, where the picture is missing. Names of textures are looked up
+    as those of meshes are."""
     meshes = MeshSearch(context)
     seen = set()
     for element, _, subject in context.once(own_elements):

@@ -22,8 +22,7 @@ def srdf_of_another_robot(context: Context) -> Faults:
     MoveIt complains where the names in the two <robot> differ. Most often the SRDF was copied from another robot. With
     names that are merely spelled otherwise this is a remark; where most of the links and joints that it names are not
     in the robot, an error. Looked at is the SRDF of the description's name beside it or in a folder config or srdf; the
-    examples are SRDFs of an arm.
-    """
+    examples are SRDFs of an arm."""
     found = context.once(srdf)
     if found is None:
         return
@@ -47,8 +46,7 @@ def unknown_group(context: Context) -> Faults:
 
     MoveIt passes over a state, an end effector or a group of groups whose group it does not know. A state that names no
     group at all is one that only Pinocchio reads, and a remark. Of two groups of one name one is passed over, and a
-    chain whose base is below its tip is planned for the wrong end. The examples are SRDFs of an arm.
-    """
+    chain whose base is below its tip is planned for the wrong end. The examples are SRDFs of an arm."""
     found = own_srdf(context)
     if found is None:
         return
@@ -97,8 +95,7 @@ def _subject(user: Element) -> Subject:
     return Subject(user.tag, user.get("name") or "")
 
 
-_ROUNDED = 1e-3 + 1e-9
-"""How far a state may be beyond a limit [rad or m]: the nearest number of three digits."""
+_ROUNDED = 1e-3 + 1e-9  # how far a state may be beyond a limit [rad or m]: the nearest number of three digits
 _KIND = "a state that no pose has"
 _ONE = ("revolute", "prismatic")
 
@@ -109,8 +106,7 @@ def group_state(context: Context) -> Faults:
 
     A planner refuses to start from, or to go to, a state beyond the limits of a joint. Each joint has one number; a
     continuous one may have two, cosine and sine, as Pinocchio writes it. Held against the limits of revolute and
-    prismatic joints, within a thousandth, since states are often rounded. The examples are SRDFs of an arm.
-    """
+    prismatic joints, within a thousandth, since states are often rounded. The examples are SRDFs of an arm."""
     found = own_srdf(context)
     if found is None:
         return
@@ -146,8 +142,7 @@ def _wrong(element: Element, joint: JointView) -> Iterator[tuple[str, str, float
             yield what, "move it within the limits, or correct these", values[0], bound
 
 
-_MOST = 4
-"""Pairs that are named."""
+_MOST = 4  # pairs that are named
 
 
 @rule("RD709", Severity.WARNING, good=SRDF, bad=('link1="base" link2="upper"', 'link1="base" link2="tool"'))
@@ -157,8 +152,7 @@ def neighbours_collide(context: Context) -> Faults:
     A joint's two links touch where they are joined. A planner that has not been told so by <disable_collisions> finds a
     collision in every pose. Reported, in one finding, are the neighbours with collision shapes whose boxes overlap at
     rest, where the SRDF lists pairs at all. Two links that it lists with a link that is not there are RD701's alone.
-    The examples are SRDFs of an arm.
-    """
+    The examples are SRDFs of an arm."""
     found = own_srdf(context)
     pairs = [] if found is None else found.root.findall("disable_collisions")
     if found is None or not pairs or not found.is_namesake:

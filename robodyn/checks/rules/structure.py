@@ -24,8 +24,7 @@ from robodyn.support.wording import alternatives, listed, shown
 def dangling_reference(context: Context) -> Faults:
     """The parent and the child of every joint are links of the robot.
 
-    Readers refuse the file, or leave out the joint and everything below it.
-    """
+    Readers refuse the file, or leave out the joint and everything below it."""
     view, links = context.view, context.view.link
     missing = {name for joint in view.joints for name in (joint.parent, joint.child) if name} - links.keys()
     nameless = any(not joint.parent or not joint.child for joint in view.joints)
@@ -52,8 +51,7 @@ def dangling_reference(context: Context) -> Faults:
 def several_parents(context: Context) -> Faults:
     """No link is the child of two joints.
 
-    A URDF is a tree. Of a closed chain one joint is left out, and made of what the simulator has for it.
-    """
+    A URDF is a tree. Of a closed chain one joint is left out, and made of what the simulator has for it."""
     above = _first_above(context.view)
     for joint in context.view.joints:
         first = above.get(joint.child, joint)
@@ -75,8 +73,7 @@ def several_parents(context: Context) -> Faults:
 def cycle(context: Context) -> Faults:
     """Going from child to parent leads to the root.
 
-    Links in a cycle have no root. Some readers do not notice and recurse until memory ends.
-    """
+    Links in a cycle have no root. Some readers do not notice and recurse until memory ends."""
     above = _first_above(context.view)
     for cycle in cycles({child: joint.parent for child, joint in above.items()}):
         first = min((above[link] for link in cycle), key=lambda joint: joint.element.start)
@@ -93,9 +90,8 @@ def cycle(context: Context) -> Faults:
 def several_roots(context: Context) -> Faults:
     """Exactly one link has no parent.
 
-    All other links are below it. Readers refuse a second root, or leave out all that is below it. Where another rule
-    of the structure (RD101 to RD107) is broken, its repair comes first and this one is silent.
-    """
+    All other links are below it. Readers refuse a second root, or leave out all that is below it. Where another rule of
+    the structure (RD101 to RD107) is broken, its repair comes first and this one is silent."""
     view = context.view
     above = _first_above(view)
     orderly = len(view.link) == len(view.links) and len(above) == len(view.joints)
@@ -118,8 +114,7 @@ def _first_above(view: View) -> dict[str, JointView]:
 def duplicate_link(context: Context) -> Faults:
     """No two links have the same name.
 
-    Readers refuse the file, or keep one of the two and lose the other without a word.
-    """
+    Readers refuse the file, or keep one of the two and lose the other without a word."""
     return _second("link", context.view.links)
 
 
@@ -133,8 +128,7 @@ def _second(kind: str, parts: Sequence[LinkView | JointView]) -> Faults:
 def duplicate_joint(context: Context) -> Faults:
     """No two joints have the same name.
 
-    Readers refuse the file, or keep one of the two and lose the other without a word.
-    """
+    Readers refuse the file, or keep one of the two and lose the other without a word."""
     return _second("joint", context.view.joints)
 
 
@@ -142,8 +136,7 @@ def duplicate_joint(context: Context) -> Faults:
 def unnamed(context: Context) -> Faults:
     """The robot and every link and joint have a name.
 
-    Joints refer to links by name, and programs to joints. urdfdom refuses a robot or a joint without one.
-    """
+    Joints refer to links by name, and programs to joints. urdfdom refuses a robot or a joint without one."""
     view = context.view
     links, joints = (part.element for part in view.links), (part.element for part in view.joints)
     for element in (view.root, *links, *joints):
@@ -159,8 +152,7 @@ def unnamed(context: Context) -> Faults:
 def unknown_joint_type(context: Context) -> Faults:
     """The type of a joint is revolute, continuous, prismatic, fixed, floating or planar.
 
-    Readers refuse other types; some take them for fixed. Types are written in small letters.
-    """
+    Readers refuse other types; some take them for fixed. Types are written in small letters."""
     for joint in context.view.joints:
         if joint.type in JOINT_TYPES or unexpanded(joint.type):
             continue
@@ -173,8 +165,7 @@ def unknown_joint_type(context: Context) -> Faults:
 def no_links(context: Context) -> Faults:
     """A robot has one link at least.
 
-    Often a sign of a file that was written by a failed conversion, or of xacro macros that were never called.
-    """
+    Often a sign of a file that was written by a failed conversion, or of xacro macros that were never called."""
     if not context.view.links:
         what = "the robot has no links"
         yield Fault(context.view.root.span, what, "add a <link>", 0, 1, subject=None)
@@ -193,8 +184,7 @@ def name_portability(context: Context) -> Faults:
     """Names of letters, digits and _ survive a conversion to other formats.
 
     USD (Isaac Sim) takes no other character and renames what has one; SDF keeps some names for itself and requires each
-    to be there once among links and joints.
-    """
+    to be there once among links and joints."""
     view = context.view
     parts: tuple[LinkView | JointView, ...] = (*view.links, *view.joints)
     for part in parts:
@@ -218,8 +208,7 @@ def _refusal(name: str) -> str | None:
     return "USD takes letters, digits and _ only, and renames it" if not name.startswith("__") else None
 
 
-_NEVER = 20.0
-"""A gap that no robot has between its parts [m]."""
+_NEVER = 20.0  # a gap that no robot has between its parts [m]
 
 
 @rule(
@@ -235,8 +224,7 @@ def detached_part(context: Context) -> Faults:
     Where the shapes of nine of ten other joints' children touch those of their parents, a child far from its parent has
     the wrong one, or its origin has millimetres in an entry, or a sign or digit too many. The gap is that between the
     boxes around the shapes, each joint at 0 or at its limit next to 0; it is reported where it is more than a tenth of
-    the larger part and 1 cm, of parts that are fixed half the larger part and 5 cm. A gap of 20 m is an error.
-    """
+    the larger part and 1 cm, of parts that are fixed half the larger part and 5 cm. A gap of 20 m is an error."""
     for name, (contact, bound) in context.once(detached).items():
         joint = context.view.joint[name]
         below = f"of link '{joint.child}' and what is fixed to it"
@@ -247,8 +235,7 @@ def detached_part(context: Context) -> Faults:
         yield Fault(at, what, remedy, contact.gap, bound, cause=too_large(context, joint), severity=severity)
 
 
-_SAME_PLACE = 1e-6
-"""Between the joints of namesakes on their parents, each coordinate without its sign [m]."""
+_SAME_PLACE = 1e-6  # between the joints of namesakes on their parents, each coordinate without its sign [m]
 
 
 @rule(
@@ -262,14 +249,13 @@ _SAME_PLACE = 1e-6
 def odd_parent(context: Context) -> Faults:
     """A link has the parent that its namesake tells.
 
-    Of links whose names differ in left and right, left_hand and right_hand, FL_calf and FR_calf, each is a child of
-    the namesake of the other's parent, or both of one link. Where they are not, although their joints stand at the
-    same place on their parents but for signs, one has the wrong parent: by a copied line that was not changed, or
-    changed twice. It is the one whose parent's name says the other side; or else the one that left a link whose twin
-    carries the other, or else the one on a link whose twin carries others; or both are named. Where a link hangs beside
-    one that moves and carries nothing, although names put this between it and their parent, as in link_3, link_4 and
-    link_5 or upper_arm, forearm and wrist, that one is its parent.
-    """
+    Of links whose names differ in left and right, left_hand and right_hand, FL_calf and FR_calf, each is a child of the
+    namesake of the other's parent, or both of one link. Where they are not, although their joints stand at the same
+    place on their parents but for signs, one has the wrong parent: by a copied line that was not changed, or changed
+    twice. It is the one whose parent's name says the other side; or else the one that left a link whose twin carries
+    the other, or else the one on a link whose twin carries others; or both are named. Where a link hangs beside one
+    that moves and carries nothing, although names put this between it and their parent, as in link_3, link_4 and link_5
+    or upper_arm, forearm and wrist, that one is its parent."""
     yield from _passed_over(context)
     above = context.tree.above
     named = list(named_pairs([link.name for link in context.tree.links]))
@@ -363,8 +349,7 @@ def drawn_in_millimetres(context: Context) -> Faults:
     Where the links' masses over the boxes around their shapes are 1e9 times too small in the median, and 1000 times
     shorter lengths bring them to what published robots have, all lengths are in millimetres; or they were divided by
     1000 that were in metres. At least three links with mass and shapes show it. What follows from it is not reported
-    beside it. A mesh in millimetres alone is RD605's, an origin RD111's.
-    """
+    beside it. A mesh in millimetres alone is RD605's, an origin RD111's."""
     unit = context.once(other_unit)
     if unit is None:
         return

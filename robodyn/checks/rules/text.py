@@ -93,9 +93,8 @@ def own_elements(context: Context) -> Sequence[tuple[Element, Kind, Subject | No
 def malformed_xml(context: Context) -> Faults:
     """The file must be well-formed XML with the root element <robot>.
 
-    Readers that recover from broken XML guess at what was meant, and drop links without a word. Nothing after the
-    first such place is checked.
-    """
+    Readers that recover from broken XML guess at what was meant, and drop links without a word. Nothing after the first
+    such place is checked."""
     return text_faults(context, "RD001")
 
 
@@ -110,8 +109,7 @@ def document_type(context: Context) -> Faults:
     """A description has no document type and no entities.
 
     An entity can name a file of the machine or of another one, or expand to gigabytes. URDF needs neither, readers
-    differ in what they do, and robodyn neither expands nor fetches any.
-    """
+    differ in what they do, and robodyn neither expands nor fetches any."""
     return text_faults(context, "RD002")
 
 
@@ -128,9 +126,8 @@ _EXTENSION = '\n  <drake:joint name="shoulder"/>'
 def undeclared_prefix(context: Context) -> Faults:
     """A namespace prefix is declared before it is used.
 
-    To a namespace-aware parser (lxml, Qt, browsers) an undeclared prefix is an error, and the whole file is
-    refused. tinyxml, and with it urdfdom, does not mind, so that the mistake stays unseen.
-    """
+    To a namespace-aware parser (lxml, Qt, browsers) an undeclared prefix is an error, and the whole file is refused.
+    tinyxml, and with it urdfdom, does not mind, so that the mistake stays unseen."""
     return text_faults(context, "RD003")
 
 
@@ -138,9 +135,8 @@ def undeclared_prefix(context: Context) -> Faults:
 def unexpanded_xacro(context: Context) -> Faults:
     """Nothing is left of xacro: no xacro: element, no ${...}, no $(...).
 
-    A reader takes ${mass} for a text, not for a number, and drops the element that it stands in. Where an element
-    of xacro is left, links may be missing, and nothing else is checked.
-    """
+    A reader takes ${mass} for a text, not for a number, and drops the element that it stands in. Where an element of
+    xacro is left, links may be missing, and nothing else is checked."""
     return text_faults(context, "RD004")
 
 
@@ -151,8 +147,7 @@ _OF_DRAKE = {
     "proximity_properties": "a <collision>",
 }
 """Elements that Drake knows by its prefix, and where."""
-_CALLED = {"min": "lower", "max": "upper"}
-"""What other formats call an attribute."""
+_CALLED = {"min": "lower", "max": "upper"}  # what other formats call an attribute
 _NUMBERS = frozenset(name for kind in KINDS.values() for name, count in kind.attributes.items() if count)
 """Attributes that hold numbers, somewhere in URDF."""
 
@@ -170,8 +165,7 @@ def unknown_element(context: Context) -> Faults:
     like a name that is missing, what URDF has elsewhere (an <origin> in a <link>, an rpy of an <axis>), and an element
     none of whose attributes is read are warnings. Other names are most often the additions of one tool, and remarks.
     Elements with a namespace prefix, and those at the top that belong to other tools (gazebo, ros2_control, ...), are
-    left alone.
-    """
+    left alone."""
     for element, kind, subject in context.once(own_elements):
         seen: dict[str, Element] = {}
         for child in element.children:
@@ -216,9 +210,8 @@ _PAIRS = (("iyx", "ixy"), ("izx", "ixz"), ("izy", "iyz"))
 def transposed_product(context: Context) -> Faults:
     """Products of inertia are called ixy, ixz and iyz.
 
-    The inertia matrix is symmetric and URDF has its upper triangle. Readers ignore iyx, izx and izy; where one of
-    them stands in place of its twin, the product is taken for 0 or the whole inertial is dropped.
-    """
+    The inertia matrix is symmetric and URDF has its upper triangle. Readers ignore iyx, izx and izy; where one of them
+    stands in place of its twin, the product is taken for 0 or the whole inertial is dropped."""
     for link in context.view.links:
         inertia = None if link.inertial is None else link.inertial.inertia_element
         for lower, upper in _PAIRS:
@@ -239,8 +232,7 @@ def transposed_product(context: Context) -> Faults:
             yield Fault(at, what, remedy, below, above, fix=fix)
 
 
-_LONGEST = 2000
-"""Characters of an attribute of numbers."""
+_LONGEST = 2000  # characters of an attribute of numbers
 
 
 @rule("RD007", Severity.ERROR, good=one_link(f'<origin xyz="0 0.1 0"/><mass value="2"/>{INERTIA}'), bad=("0.1", "0,1"))
@@ -249,8 +241,7 @@ def bad_number(context: Context) -> Faults:
 
     NaN and infinity, decimal commas, units, and too few or too many numbers. urdfdom then drops the whole element and
     reports success; other readers take a part of the text. A <safety_controller> without k_velocity and a <dynamics>
-    without damping and friction make it refuse the file.
-    """
+    without damping and friction make it refuse the file."""
     for element, kind, subject in context.once(own_elements):
         if kind.some and not any(name in element.values for name in kind.some):
             what = f"<{element.tag}> has neither {' nor '.join(kind.some)}, and urdfdom refuses the file"
@@ -284,8 +275,7 @@ def waiver_not_in_force(context: Context) -> Faults:
 
     A comment `<!-- robodyn: allow RD208 no tensor is published, see issue 52 -->` above an element, or behind it on its
     line, allows the finding there. A waiver without a reason is not in force; nor is one with a code that no rule has,
-    or a comment that begins with `robodyn:` and goes on in another way.
-    """
+    or a comment that begins with `robodyn:` and goes on in another way."""
     for waiver in context.once(waivers):
         if not waiver.in_force(context.codes):
             what, remedy = waiver.problem(context.codes)
@@ -301,9 +291,8 @@ def waiver_not_in_force(context: Context) -> Faults:
 def unused_waiver(context: Context) -> Faults:
     """A waiver allows a finding that is there.
 
-    A waiver that outlives its finding would hide the next one. It is reported if its rule has run and has found
-    nothing in the element that the waiver is about.
-    """
+    A waiver that outlives its finding would hide the next one. It is reported if its rule has run and has found nothing
+    in the element that the waiver is about."""
     return ()
 
 
@@ -322,8 +311,7 @@ def version(context: Context) -> Faults:
     """The version of a description is one that readers know.
 
     urdfdom reads version="1.0" to "1.2", and refuses the file with any other: also "1" and "2.0". Without one it is
-    1.0.
-    """
+    1.0."""
     root = context.view.root
     version = root.get("version")
     if version is not None and not _KNOWN.fullmatch(version):
