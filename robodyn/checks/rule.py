@@ -43,7 +43,7 @@ class Severity(Enum):
         return _ORDER.index(self) <= _ORDER.index(least)
 
 
-_ORDER = tuple(Severity)  # the most severe first
+_ORDER = ERROR, WARNING, NOTE = tuple(Severity)  # the most severe first
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,6 +132,9 @@ class Stage(IntEnum):
     DOCUMENT = 1
     TREE = 2
     MODEL = 3
+
+
+TREE, MODEL = Stage.TREE, Stage.MODEL
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,7 @@ from robodyn.checks.context import TARGETS
 from robodyn.checks.examples import a_joint, a_link, arm
 from robodyn.checks.imported import INSTALLABLE, verdict_of
 from robodyn.checks.importers import FACTS, Verdict, named
-from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.checks.rule import MODEL, NOTE, TREE, WARNING, Context, Fault, Faults, rule
 from robodyn.errors import InputError
 from robodyn.robot.urdf.sources import EXPANDED, is_xacro
 from robodyn.robot.urdf.view import JointView, LinkView, Subject
@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 
 @rule(
     "RD802",
-    Severity.WARNING,
-    Stage.MODEL,
+    WARNING,
+    MODEL,
     good=arm('<axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="30" velocity="9"/>'),
     bad=('lower="-2" upper="2"', 'lower="-0.5" upper="0.5"'),
 )
@@ -63,8 +63,8 @@ _KNOWN = "\n".join(f"{fact.target} {fact.verdict.name.lower()}: it {fact.does} [
 
 @rule(
     "RD901",
-    Severity.NOTE,
-    Stage.TREE,
+    NOTE,
+    TREE,
     explanation=f"""For each program asked for ({", ".join(TARGETS)}) its verdict: loads, alters, or rejects and why. A
 rejection by a program that is asked for is an error, all else a remark. {" and ".join(INSTALLABLE)} are run where they
 are installed (extra `importers`), in a process of their own, and their version is given, and why they refuse the file,
@@ -88,7 +88,7 @@ def consumer_verdict(context: Context) -> Faults:
                 yield Fault(at, does if one in alone else f"{does} ({one})", f"known from {fact.source}", kind=does)
 
 
-@rule("RD902", Severity.WARNING, Stage.MODEL, good=arm(), bad=('value="2"', 'value="2.2"'))
+@rule("RD902", WARNING, MODEL, good=arm(), bad=('value="2"', 'value="2.2"'))
 def regression(context: Context) -> Faults:
     """The dynamics are those of the earlier version.
 
@@ -103,7 +103,7 @@ def regression(context: Context) -> Faults:
     before = model_at(context, against)
     if isinstance(before, str):
         what = f"the dynamics are not compared with {against}: {before}"
-        yield Fault(context.view.root.span, what, "nothing to do", subject=None, severity=Severity.NOTE)
+        yield Fault(context.view.root.span, what, "nothing to do", subject=None, severity=NOTE)
         return
     parts: dict[Subject, LinkView | JointView] = {part.subject: part for part in context.view.links}
     parts |= {part.subject: part for part in context.view.joints}

@@ -23,7 +23,7 @@ from robodyn.checks.bodies.bodies import (
 from robodyn.checks.bodies.masses import broken_law, is_a_point, link_poses, principal_moments
 from robodyn.checks.examples import SHAPED_INERTIA, a_shaped_link, inertia
 from robodyn.checks.mirror import twins
-from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.checks.rule import ERROR, NOTE, TREE, WARNING, Context, Fault, Faults, Severity, rule
 from robodyn.programs.linear import eigen
 from robodyn.programs.vectors import length, product
 from robodyn.robot.masses.mistakes import Uniform
@@ -39,7 +39,7 @@ _EDGE = 1e-3  # of the squared side of a box: a centre of mass this near a face 
 _ADVICE = "check the unit (kg m^2) and the point (the centre of mass) of the inertia, and the mass"
 
 
-@rule("RD301", Severity.ERROR, Stage.TREE, good=a_shaped_link(), bad=(SHAPED_INERTIA, inertia("0.3 0 0 0.32 0 0.28")))
+@rule("RD301", ERROR, TREE, good=a_shaped_link(), bad=(SHAPED_INERTIA, inertia("0.3 0 0 0.32 0 0.28")))
 def inertia_beyond_shapes(context: Context) -> Faults:
     """The second moments are no larger than the link's shapes allow for its mass.
 
@@ -52,8 +52,8 @@ def inertia_beyond_shapes(context: Context) -> Faults:
     for body in judged(context):
         fault = None if body.S is None else _beyond_reach(body, body.S) or _beyond_box(body)
         if fault is not None:
-            stands = context.tree.group[body.link.name].joint is None and fault.severity is Severity.ERROR
-            severity = Severity.WARNING if stands else fault.severity
+            stands = context.tree.group[body.link.name].joint is None and fault.severity is ERROR
+            severity = WARNING if stands else fault.severity
             yield replace(fault, cause=suspected(context, body), severity=severity)
 
 
@@ -71,7 +71,7 @@ def _beyond_reach(body: Body, S: Floats) -> Fault | None:
         f"its inertia is that of mass {spread**0.5:.3g} m from its centre (root mean square), but the shapes of {which}"
         f" reach {bound**0.5:.3g} m from there: {figure(spread / bound)} times the second moment that is possible"
     )
-    return _fault(body, Severity.ERROR if spread > FAR * group else Severity.WARNING, what, spread, bound)
+    return _fault(body, ERROR if spread > FAR * group else WARNING, what, spread, bound)
 
 
 def _beyond_box(body: Body) -> Fault | None:
@@ -90,7 +90,7 @@ def _beyond_box(body: Body) -> Fault | None:
     if ratio <= _SLIGHT:
         return None
     wherever = spread[axis] > sides[axis] ** 2 / 4
-    severity = Severity.WARNING if ratio > FAR and wherever else Severity.NOTE
+    severity = WARNING if ratio > FAR and wherever else NOTE
     what = f"along {'xyz'[axis]} its inertia needs {figure(ratio)} times the second moment that any mass in the box"
     what += " around the shapes can have"
     return _fault(body, severity, what, float(spread[axis]), float(bound[axis]))
@@ -109,7 +109,7 @@ _OFF = 0.1  # of the size of the box: as little may be a part that is not drawn
 _NEAR = 0.3  # of its distance from the middle of the shapes: as far from it a centre may be whose sign was wrong
 
 
-@rule("RD302", Severity.WARNING, Stage.TREE, good=a_shaped_link(), bad=('"0 0 0.12"', '"0 0 0.5"'))
+@rule("RD302", WARNING, TREE, good=a_shaped_link(), bad=('"0 0 0.12"', '"0 0 0.5"'))
 def centre_outside_shapes(context: Context) -> Faults:
     """The centre of mass lies within the shapes of the link and what is fixed to it.
 
@@ -127,9 +127,9 @@ def centre_outside_shapes(context: Context) -> Faults:
             continue
         moves = context.tree.group[body.link.name].joint is not None
         origin = body.inertial.origin
-        severity = Severity.ERROR if away > size and moves else Severity.WARNING
+        severity = ERROR if away > size and moves else WARNING
         image = images.get(body.link.name)
-        if severity is Severity.WARNING and image is not None and body.box and not outside(body.box, image):
+        if severity is WARNING and image is not None and body.box and not outside(body.box, image):
             continue
         what = f"the centre of mass is {away:.3g} m outside the box around the shapes, which is {size:.3g} m across"
         remedy = "check the unit (m), the signs, and that it is in the link's frame, not the mesh's or the world's"
@@ -148,9 +148,7 @@ _FAR = 0.01  # of the ball's moment: what is less is a mass or a size that no li
 _REMEDY = "check the unit (kg m^2) and the mass; write the inertia of the part"
 
 
-@rule(
-    "RD303", Severity.WARNING, Stage.TREE, good=a_shaped_link(), bad=(SHAPED_INERTIA, inertia("4e-5 0 0 5e-5 0 3e-5"))
-)
+@rule("RD303", WARNING, TREE, good=a_shaped_link(), bad=(SHAPED_INERTIA, inertia("4e-5 0 0 5e-5 0 3e-5")))
 def inertia_below_shell(context: Context) -> Faults:
     """The inertia is not far below that of the link's shapes.
 
@@ -212,8 +210,8 @@ def _below_shell(body: Body) -> tuple[float, float, str] | None:
 
 @rule(
     "RD304",
-    Severity.WARNING,
-    Stage.TREE,
+    WARNING,
+    TREE,
     good=a_shaped_link(),
     bad=a_shaped_link("90", inertia("0.3 0 0 0.32 0 0.1")),
     explains=("RD301", "RD302"),

@@ -11,17 +11,9 @@ from robodyn.checks.bodies.bodies import bodies, given, shaped, weighed
 from robodyn.checks.bodies.masses import Tensor, broken_law
 from robodyn.checks.examples import IMAGE, SHAPED_INERTIA, a_shaped_link, inertia, two_arms
 from robodyn.checks.mirror import Pair, link_inertia, pairs
-from robodyn.checks.rule import Context, Edit, Fault, Faults, Fix, Severity, Stage, rule
+from robodyn.checks.rule import ERROR, TREE, WARNING, Context, Edit, Fault, Faults, Fix, rule
 from robodyn.programs.vectors import product
-from robodyn.robot.masses.mistakes import (
-    COPIED,
-    NINE,
-    QUANTITIES,
-    UPPER,
-    Given,
-    Mistake,
-    corrections,
-)
+from robodyn.robot.masses.mistakes import COPIED, NINE, QUANTITIES, UPPER, Given, Mistake, corrections
 from robodyn.robot.urdf.parts import INERTIA
 from robodyn.robot.urdf.view import LinkView
 from robodyn.solids.inertia.laws import symmetric
@@ -234,9 +226,7 @@ def _fix(link: LinkView, tensor: Tensor, what: str) -> Fix | None:
     return Fix(f"correct the inertia: {what}", edits, safe=False)
 
 
-@rule(
-    "RD305", Severity.ERROR, Stage.TREE, good=a_shaped_link(), bad=(SHAPED_INERTIA, inertia("12600 0 0 12400 0 3200"))
-)
+@rule("RD305", ERROR, TREE, good=a_shaped_link(), bad=(SHAPED_INERTIA, inertia("12600 0 0 12400 0 3200")))
 def unit_slip(context: Context) -> Faults:
     """Mass, inertia and centre of mass are in kg, kg m^2 and m.
 
@@ -272,11 +262,11 @@ def unit_slip(context: Context) -> Faults:
             fix = Fix("write kg, m and kg m^2", tuple(edits), safe=False)
         else:
             what, remedy = one_of([one.what for one in verdict.either]) or "", "see which it is, and correct it"
-            severity, fix = Severity.WARNING, None
+            severity, fix = WARNING, None
         yield Fault(at, what, remedy, factors[wrong[0]], 1.0, severity=severity, subject=body.link.subject, fix=fix)
 
 
-@rule("RD306", Severity.WARNING, good=two_arms(), bad=(IMAGE, inertia("0.02 0.004 -0.002 0.03 0.003 0.025")))
+@rule("RD306", WARNING, good=two_arms(), bad=(IMAGE, inertia("0.02 0.004 -0.002 0.03 0.003 0.025")))
 def product_signs(context: Context) -> Faults:
     """Products of inertia have the sign of a matrix entry.
 
@@ -286,7 +276,7 @@ def product_signs(context: Context) -> Faults:
     return faults(context, "RD306")
 
 
-@rule("RD307", Severity.WARNING, good=two_arms(), bad=(IMAGE, inertia("0.105 0.006 -0.038 0.13 0.017 0.05")))
+@rule("RD307", WARNING, good=two_arms(), bad=(IMAGE, inertia("0.105 0.006 -0.038 0.13 0.017 0.05")))
 def about_origin(context: Context) -> Faults:
     """The tensor is about the centre of mass.
 
@@ -297,7 +287,7 @@ def about_origin(context: Context) -> Faults:
     return faults(context, "RD307")
 
 
-@rule("RD308", Severity.WARNING, good=two_arms(), bad=(IMAGE, inertia("0.19 0.016 -0.078 0.23 0.037 0.075")))
+@rule("RD308", WARNING, good=two_arms(), bad=(IMAGE, inertia("0.19 0.016 -0.078 0.23 0.037 0.075")))
 def parallel_axis_again(context: Context) -> Faults:
     """The parallel axis theorem is applied once.
 
@@ -312,7 +302,7 @@ _ORIGIN = '<origin xyz="0.1 -0.05 0.2" rpy="0 0 1.5707963267948966"/>'
 _TURNED = inertia("0.03 0.004 -0.003 0.02 -0.002 0.025")
 
 
-@rule("RD309", Severity.WARNING, good=two_arms(right=f'{_ORIGIN}<mass value="2"/>{_TURNED}'), bad=(_TURNED, IMAGE))
+@rule("RD309", WARNING, good=two_arms(right=f'{_ORIGIN}<mass value="2"/>{_TURNED}'), bad=(_TURNED, IMAGE))
 def rpy_not_applied(context: Context) -> Faults:
     """The tensor is in the axes of its <origin>.
 
@@ -322,7 +312,7 @@ def rpy_not_applied(context: Context) -> Faults:
     return faults(context, "RD309")
 
 
-@rule("RD310", Severity.WARNING, good=two_arms(), bad=(IMAGE, inertia("0.02 0.002 -0.004 0.03 -0.003 0.025")))
+@rule("RD310", WARNING, good=two_arms(), bad=(IMAGE, inertia("0.02 0.002 -0.004 0.03 -0.003 0.025")))
 def entry_order(context: Context) -> Faults:
     """The entries are in URDF's order: ixx ixy ixz iyy iyz izz.
 
@@ -333,7 +323,7 @@ def entry_order(context: Context) -> Faults:
     return faults(context, "RD310")
 
 
-@rule("RD311", Severity.WARNING, good=two_arms(), bad=('"-0.004"', '"-0.0004"'))
+@rule("RD311", WARNING, good=two_arms(), bad=('"-0.004"', '"-0.0004"'))
 def entry_decade(context: Context) -> Faults:
     """No entry is off by a power of ten.
 
@@ -343,11 +333,7 @@ def entry_decade(context: Context) -> Faults:
 
 
 @rule(
-    "RD312",
-    Severity.WARNING,
-    good=two_arms(),
-    bad=(IMAGE, inertia("0.03 -0.004 -0.003 0.02 0.002 0.025")),
-    explains=("RD302",),
+    "RD312", WARNING, good=two_arms(), bad=(IMAGE, inertia("0.03 -0.004 -0.003 0.02 0.002 0.025")), explains=("RD302",)
 )
 def permuted_axes(context: Context) -> Faults:
     """The tensor is in the axes of the link, not in another program's.

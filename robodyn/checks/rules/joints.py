@@ -12,7 +12,7 @@ from robodyn.checks.bodies.bodies import shaped
 from robodyn.checks.bodies.contacts import rest_poses
 from robodyn.checks.examples import LIMIT, arm, longer_arm
 from robodyn.checks.meshes.files import reach
-from robodyn.checks.rule import Context, Edit, Fault, Faults, Fix, Severity, Stage, rule
+from robodyn.checks.rule import ERROR, NOTE, TREE, WARNING, Context, Edit, Fault, Faults, Fix, rule
 from robodyn.checks.rules.ranges import of_numbers
 from robodyn.programs.linear import eigen
 from robodyn.programs.vectors import length, product
@@ -23,7 +23,7 @@ from robodyn.robot.urdf.view import JointView, value_span
 from robodyn.support.wording import alternatives, listed, shown
 
 
-@rule("RD501", Severity.ERROR, good=arm(f'<axis xyz="0 0 1"/>{LIMIT}'), bad=('"0 0 1"', '"0 0 0"'), explains=("RD901",))
+@rule("RD501", ERROR, good=arm(f'<axis xyz="0 0 1"/>{LIMIT}'), bad=('"0 0 1"', '"0 0 0"'), explains=("RD901",))
 def zero_axis(context: Context) -> Faults:
     """The axis of a joint that moves is not zero.
 
@@ -34,7 +34,7 @@ def zero_axis(context: Context) -> Faults:
             yield Fault(joint.axis.span, "the axis is 0 0 0, which is no direction", remedy, 0.0, 1.0)
 
 
-@rule("RD502", Severity.WARNING, good=arm(f'<axis xyz="0 0 1"/>{LIMIT}'), bad=('"0 0 1"', '"0 0 2"'))
+@rule("RD502", WARNING, good=arm(f'<axis xyz="0 0 1"/>{LIMIT}'), bad=('"0 0 1"', '"0 0 2"'))
 def axis_length(context: Context) -> Faults:
     """The axis of a joint is a unit vector.
 
@@ -54,7 +54,7 @@ def axis_length(context: Context) -> Faults:
             yield Fault(at, what, "divide it by its length", size, 1.0, fix=fix)
 
 
-@rule("RD505", Severity.ERROR, good=arm(), bad=arm('<axis xyz="0 1 0"/>'))
+@rule("RD505", ERROR, good=arm(), bad=arm('<axis xyz="0 1 0"/>'))
 def no_limit(context: Context) -> Faults:
     """Revolute and prismatic joints have a <limit>.
 
@@ -71,7 +71,7 @@ _FEW = 3
 _TURNING = ("revolute", "continuous")
 
 
-@rule("RD506", Severity.WARNING, good=arm(), bad=('"30"', '"0"'), explains=("RD901",))
+@rule("RD506", WARNING, good=arm(), bad=('"30"', '"0"'), explains=("RD901",))
 def effort_velocity(context: Context) -> Faults:
     """Effort and velocity limits are positive and those of a machine.
 
@@ -87,12 +87,12 @@ def effort_velocity(context: Context) -> Faults:
             value, remedy = numbers.value, "write what the drive can do"
             if not numbers.given:
                 what = f"<limit> has no {numbers.attribute}, and urdfdom refuses the file"
-                yield Fault(numbers.span, what, remedy, None, 0.0, severity=Severity.ERROR)
+                yield Fault(numbers.span, what, remedy, None, 0.0, severity=ERROR)
             elif not joint.moves or value is None or 0 < value < most or id(numbers) in of_another_unit:
                 continue
             elif value > 0:
                 what = f"{numbers.attribute} is {value:g}, a stand-in that limits nothing"
-                yield Fault(numbers.span, what, remedy, value, most, severity=Severity.NOTE)
+                yield Fault(numbers.span, what, remedy, value, most, severity=NOTE)
             else:
                 what, kind = f"{numbers.attribute} is {value:g}, not positive", "a limit that is not positive"
                 yield Fault(numbers.span, what, remedy, value, 0.0, kind=kind)
@@ -108,7 +108,7 @@ def effort_velocity(context: Context) -> Faults:
 
 @rule(
     "RD509",
-    Severity.ERROR,
+    ERROR,
     good=arm(f'<axis xyz="0 1 0"/>{LIMIT}<dynamics damping="0.1"/>'),
     bad=('"0.1"', '"-0.1"'),
     explains=("RD901",),
@@ -129,11 +129,7 @@ _FOLLOWER = f'<axis xyz="0 1 0"/>{LIMIT}<mimic joint="shoulder" multiplier="0.5"
 
 
 @rule(
-    "RD510",
-    Severity.ERROR,
-    good=longer_arm(inside=_FOLLOWER),
-    bad=('joint="shoulder"', 'joint="sholder"'),
-    explains=("RD901",),
+    "RD510", ERROR, good=longer_arm(inside=_FOLLOWER), bad=('joint="shoulder"', 'joint="sholder"'), explains=("RD901",)
 )
 def mimic_unknown_joint(context: Context) -> Faults:
     """A joint mimics one of the robot's joints.
@@ -149,13 +145,7 @@ def mimic_unknown_joint(context: Context) -> Faults:
         yield Fault(value_span(joint.mimic.element, "joint"), what, remedy)
 
 
-@rule(
-    "RD511",
-    Severity.ERROR,
-    good=longer_arm(inside=_FOLLOWER),
-    bad=('joint="shoulder"', 'joint="elbow"'),
-    explains=("RD901",),
-)
+@rule("RD511", ERROR, good=longer_arm(inside=_FOLLOWER), bad=('joint="shoulder"', 'joint="elbow"'), explains=("RD901",))
 def mimic_cycle(context: Context) -> Faults:
     """Mimic joints follow one that is free, at last.
 
@@ -169,7 +159,7 @@ def mimic_cycle(context: Context) -> Faults:
         yield Fault(value_span(first.mimic.element, "joint"), what, "let one of them be free")
 
 
-@rule("RD512", Severity.WARNING, good=longer_arm(inside=_FOLLOWER), bad=('"0.5"', '"1.5"'))
+@rule("RD512", WARNING, good=longer_arm(inside=_FOLLOWER), bad=('"0.5"', '"1.5"'))
 def follower_range(context: Context) -> Faults:
     """A mimic joint stays within its limits wherever the joint that it follows goes.
 
@@ -202,7 +192,7 @@ def _range(joint: JointView) -> tuple[float, float] | None:
     return (lower, upper) if lower is not None and upper is not None and lower < upper else None
 
 
-@rule("RD514", Severity.WARNING, good=arm(), bad=arm(LIMIT))
+@rule("RD514", WARNING, good=arm(), bad=arm(LIMIT))
 def missing_axis(context: Context) -> Faults:
     """A joint that turns or slides says about which axis.
 
@@ -219,13 +209,7 @@ _FROM_ZERO = 0.1  # how far from 0 the range begins, as a part of it
 _JOINT = '<axis xyz="0 0 1"/><limit lower="0" upper="0.3" effort="200" velocity="0.05"/>'
 
 
-@rule(
-    "RD516",
-    Severity.WARNING,
-    good=arm(_JOINT, "prismatic"),
-    bad=('type="prismatic"', 'type="revolute"'),
-    explains=("RD804",),
-)
+@rule("RD516", WARNING, good=arm(_JOINT, "prismatic"), bad=('type="prismatic"', 'type="revolute"'), explains=("RD804",))
 def turning_slide(context: Context) -> Faults:
     """A slide is prismatic.
 
@@ -257,8 +241,8 @@ _OTHERS = 5
 
 @rule(
     "RD517",
-    Severity.WARNING,
-    Stage.TREE,
+    WARNING,
+    TREE,
     good=longer_arm(inside=f'<origin xyz="0 0 0.3"/><axis xyz="0 1 0"/>{LIMIT}'),
     bad=longer_arm(inside=f'<origin xyz="0 0.3 0"/><axis xyz="0 1 0"/>{LIMIT}'),
 )

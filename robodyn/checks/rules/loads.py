@@ -11,7 +11,7 @@ import numpy as np
 from robodyn.checks.bodies.bodies import other_unit
 from robodyn.checks.bodies.contacts import detached
 from robodyn.checks.examples import INERTIA, arm
-from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.checks.rule import ERROR, MODEL, NOTE, WARNING, Context, Fault, Faults, rule
 from robodyn.checks.rules.ranges import of_numbers
 from robodyn.programs.vectors import arctan2, length, narrowed, product, skew
 from robodyn.robot.kinematics import body_poses
@@ -304,8 +304,8 @@ _MUCH = 2.0
 
 @rule(
     "RD801",
-    Severity.WARNING,
-    Stage.MODEL,
+    WARNING,
+    MODEL,
     good=arm('<axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="30" velocity="3"/>').replace(
         f'<mass value="2"/>{INERTIA}', _HEAVY
     ),
@@ -337,7 +337,7 @@ def static_torque(context: Context) -> Faults:
             f"{joint.effort:g}, at {pose}"
         )
         remedy = "raise the limit, lower masses or levers, or narrow the ranges; a counterbalance deserves a waiver"
-        severity = None if abs(one.torque) >= _MUCH * joint.effort else Severity.NOTE
+        severity = None if abs(one.torque) >= _MUCH * joint.effort else NOTE
         yield Fault(limit.effort.span, what, remedy, abs(one.torque), joint.effort, severity=severity, kind=_KIND)
 
 
@@ -347,14 +347,14 @@ FACTOR = 1000.0
 
 @rule(
     "RD803",
-    Severity.WARNING,
-    Stage.MODEL,
+    WARNING,
+    MODEL,
     explanation=f"""A limit of more than {FACTOR:g} times the weight of the whole robot, hanging where the joint's
 farthest part can be (5 cm away at least), was never meant to limit anything: saturation, planning and sizing against
 it say nothing. Greater ones still, which stand for no limit at all, are RD506's; those in N mm are RD515's.""",
     good=arm('<axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="900" velocity="3"/>'),
     bad=('"900"', '"90000"'),
-    default=Severity.ERROR,
+    default=ERROR,
 )
 def absurd_effort(context: Context) -> Faults:
     """An effort limit is within reach of the loads."""
@@ -380,15 +380,15 @@ STEP = 1e-3
 
 @rule(
     "RD804",
-    Severity.WARNING,
-    Stage.MODEL,
+    WARNING,
+    MODEL,
     explanation=f"""A joint of damping b and reflected inertia J = 1 / (M^-1)_ii comes to rest within J / b. Explicit
 Euler with a longer step than 2 J / b overshoots more with every step; the rule asks for {STEP:g} s. Real joints have
 the inertia of a rotor times the square of the gear ratio, which most descriptions leave out. J is taken at the
 middle of the ranges.""",
     good=arm('<axis xyz="1 0 0"/><limit lower="-2" upper="2" effort="30" velocity="3"/><dynamics damping="1"/>'),
     bad=('"1"', '"50"'),
-    default=Severity.ERROR,
+    default=ERROR,
 )
 def stiff_damping(context: Context) -> Faults:
     """Inertia and damping of a joint allow steps of 1 ms."""
@@ -403,8 +403,9 @@ def stiff_damping(context: Context) -> Faults:
         return
     low, high = position_ranges(model)
     inverse = inverse_of_definite(joint_space_inertia(model, (low + high) / 2.0))
-    for joint in joints if inverse is not None else ():
-        inertia = 1.0 / float(inverse[joint.rate, joint.rate])
+    diagonal = {} if inverse is None else {joint.rate: float(inverse[joint.rate, joint.rate]) for joint in joints}
+    for joint in joints if diagonal else ():
+        inertia = 1.0 / diagonal[joint.rate]
         step = 2.0 * inertia / joint.damping
         if not 0.0 < step < STEP:
             continue

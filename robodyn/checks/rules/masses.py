@@ -32,7 +32,7 @@ from robodyn.checks.examples import (
     two_arms,
 )
 from robodyn.checks.mirror import named_pairs, pairs
-from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.checks.rule import ERROR, MODEL, NOTE, TREE, WARNING, Context, Fault, Faults, rule
 from robodyn.checks.rules.inertia_mistakes import explained
 from robodyn.programs.vectors import length
 from robodyn.robot.base_guess import untouched
@@ -41,7 +41,7 @@ from robodyn.robot.urdf.view import LinkView
 from robodyn.support.wording import figure, listed
 
 
-@rule("RD201", Severity.ERROR, good=arm(), bad=one_link(f'<mass value="-2"/>{INERTIA}'), explains=("RD901",))
+@rule("RD201", ERROR, good=arm(), bad=one_link(f'<mass value="-2"/>{INERTIA}'), explains=("RD901",))
 def mass_not_positive(context: Context) -> Faults:
     """Masses are positive.
 
@@ -51,7 +51,7 @@ def mass_not_positive(context: Context) -> Faults:
     for link in context.view.links:
         if link.inertial is None or link.mass is None or link.mass > 0:
             continue
-        severity = Severity.ERROR if link.mass < 0 else severity_of_zero(context, link)
+        severity = ERROR if link.mass < 0 else severity_of_zero(context, link)
         if severity is not None:
             what = f"the mass is {link.mass:g} kg, not positive"
             what += "; MuJoCo refuses it, Gazebo drops it and what it carries" * (link.mass == 0)
@@ -61,8 +61,8 @@ def mass_not_positive(context: Context) -> Faults:
 
 @rule(
     "RD202",
-    Severity.ERROR,
-    Stage.TREE,
+    ERROR,
+    TREE,
     good=longer_arm("tip", "flange", "", "", "fixed"),
     bad=longer_arm("tip", "wrist", ""),
     explains=("RD901",),
@@ -86,13 +86,13 @@ def massless_group(context: Context) -> Faults:
         does = "invents a mass from its collision shapes" if shaped else "refuses it"
         what += f"; MuJoCo {does}, Gazebo drops it" + " and what it carries" * onward
         remedy = "add an <inertial>" if onward else "add an <inertial>, or make the joint fixed"
-        severity = Severity.WARNING if onward else Severity.ERROR
+        severity = WARNING if onward else ERROR
         yield Fault(
             group.links[0].name_span, what, remedy, measured=0.0, severity=severity, kind="a joint moves no mass"
         )
 
 
-@rule("RD203", Severity.ERROR, good=one_link(), bad=(INERTIA, ""), explains=("RD901",))
+@rule("RD203", ERROR, good=one_link(), bad=(INERTIA, ""), explains=("RD901",))
 def incomplete_inertial(context: Context) -> Faults:
     """An <inertial> has a <mass> and an <inertia> with all six entries.
 
@@ -117,8 +117,8 @@ def incomplete_inertial(context: Context) -> Faults:
 
 @rule(
     "RD209",
-    Severity.WARNING,
-    Stage.TREE,
+    WARNING,
+    TREE,
     good=longer_arm("tip", "wrist"),
     bad=longer_arm("tip", "wrist", '<mass value="1e-5"/>' + inertia("1e-8 0 0 1e-8 0 1e-8")),
 )
@@ -145,7 +145,7 @@ def tiny_body(context: Context) -> Faults:
             yield Fault(numbers.span, what, remedy, value, bound)
 
 
-@rule("RD210", Severity.WARNING, Stage.TREE, good=longer_arm(), bad=('"1"', '"5000"'))
+@rule("RD210", WARNING, TREE, good=longer_arm(), bad=('"1"', '"5000"'))
 def mass_ratio(context: Context) -> Faults:
     """The bodies on both sides of a joint differ in mass by less than a factor of 1000.
 
@@ -167,7 +167,7 @@ def mass_ratio(context: Context) -> Faults:
         yield Fault(odd.heaviest[1].mass.span, what, remedy, ratio, bound, subject=group.joint.subject)
 
 
-@rule("RD211", Severity.NOTE, Stage.TREE, good=arm(), bad=arm().replace('<link name="base"/>', a_link("base").strip()))
+@rule("RD211", NOTE, TREE, good=arm(), bad=arm().replace('<link name="base"/>', a_link("base").strip()))
 def root_with_inertia(context: Context) -> Faults:
     """KDL ignores the inertia of the root.
 
@@ -184,13 +184,7 @@ _CART = two_arms().replace("arm", "wheel").replace("shoulder", "axle")
 _CART = _CART.replace('<link name="base"/>', a_link("base", more=_SPHERE).strip())
 
 
-@rule(
-    "RD212",
-    Severity.WARNING,
-    Stage.MODEL,
-    good=_CART,
-    bad=(f'<inertial><mass value="1"/>{INERTIA}</inertial>', ""),
-)
+@rule("RD212", WARNING, MODEL, good=_CART, bad=(f'<inertial><mass value="1"/>{INERTIA}</inertial>', ""))
 def root_mass_invented(context: Context) -> Faults:
     """A root with a collision shape has an <inertial>, unless it stands still.
 
@@ -209,8 +203,8 @@ _BODY = f'{ORIGIN}<mass value="1.25"/>{TENSOR}'
 
 @rule(
     "RD213",
-    Severity.WARNING,
-    Stage.TREE,
+    WARNING,
+    TREE,
     good=arm(more=a_link("fore", _BODY) + a_joint("elbow", "upper", "fore")).replace("\n</robot>\n", "")
     + a_link("tool", "")
     + a_joint("mount", "fore", "tool", "", "fixed")
@@ -241,8 +235,8 @@ _LONG = 0.5  # how long it is at least, by the longest link of its rigid group
 
 @rule(
     "RD214",
-    Severity.WARNING,
-    Stage.TREE,
+    WARNING,
+    TREE,
     good=a_tower(last="fixed"),
     bad=re.sub(r'(<link name="hand">)<inertial>.*?</inertial>', r"\1", a_tower(last="fixed")),
 )
@@ -272,7 +266,7 @@ def unweighed_part(context: Context) -> Faults:
 
 @rule(
     "RD204",
-    Severity.ERROR,
+    ERROR,
     good=longer_arm(),
     bad=longer_arm(inertial='<mass value="1"/>' + inertia("0 0 0 0 0 0")),
     explains=("RD402", "RD901"),
@@ -288,15 +282,15 @@ def zero_tensor(context: Context) -> Faults:
         what = f"a mass of {link.mass:g} kg has no moments of inertia: it would be a point"
         remedy = "write the inertia of the part; robodyn inertia computes it from its mesh"
         group = None if context.tree_or_none is None else context.tree.group[link.name]
-        severity = None if group is None or group.joint is not None else Severity.WARNING
+        severity = None if group is None or group.joint is not None else WARNING
         if group is None or group.mass is None:
-            severity = Severity.NOTE if group is None else None
+            severity = NOTE if group is None else None
         elif group.mass > 2 * link.mass and (gyration(context, group) or 0.0) > POINT:
-            severity = Severity.NOTE
+            severity = NOTE
         yield Fault(link.inertial.entries[0].span, what, remedy, measured=0.0, severity=severity)
 
 
-@rule("RD205", Severity.WARNING, good=longer_arm("tip", "flange", inside="", kind="fixed"), bad=('"1"', '"0"'))
+@rule("RD205", WARNING, good=longer_arm("tip", "flange", inside="", kind="fixed"), bad=('"1"', '"0"'))
 def tensor_without_mass(context: Context) -> Faults:
     """What has no mass has no moments of inertia.
 
@@ -305,16 +299,14 @@ def tensor_without_mass(context: Context) -> Faults:
     for link in context.view.links:
         if link.inertial is None or link.mass != 0 or link.tensor is None or not any(link.tensor):
             continue
-        if severity_of_zero(context, link) is not Severity.ERROR:
+        if severity_of_zero(context, link) is not ERROR:
             trace = sum(link.tensor[k] for k in (0, 3, 5))
             what = f"the mass is 0, and the moments of inertia add up to {trace:g} kg m^2"
             remedy = "write the mass of the part, or zeros for its inertia"
             yield Fault(link.inertial.mass.span, what, remedy, trace, 0.0)
 
 
-@rule(
-    "RD206", Severity.ERROR, good=one_link(), bad=('"0.01"', '"-0.01"'), explains=("RD301", "RD303", "RD402", "RD901")
-)
+@rule("RD206", ERROR, good=one_link(), bad=('"0.01"', '"-0.01"'), explains=("RD301", "RD303", "RD402", "RD901"))
 def not_positive_definite(context: Context) -> Faults:
     """The inertia matrix is positive definite.
 
@@ -337,13 +329,7 @@ def not_positive_definite(context: Context) -> Faults:
         yield explained(context, fault, link)
 
 
-@rule(
-    "RD207",
-    Severity.ERROR,
-    good=one_link(),
-    bad=('izz="0.02"', 'izz="0.05"'),
-    explains=("RD301", "RD303", "RD402", "RD901"),
-)
+@rule("RD207", ERROR, good=one_link(), bad=('izz="0.02"', 'izz="0.05"'), explains=("RD301", "RD303", "RD402", "RD901"))
 def triangle_inequality(context: Context) -> Faults:
     """The largest principal moment is no greater than the sum of the other two.
 
@@ -374,7 +360,7 @@ _NEAR = 0.05
 
 @rule(
     "RD208",
-    Severity.WARNING,
+    WARNING,
     good=one_link(),
     bad=(INERTIA, inertia("1 0 0 1 0 1")),
     explains=("RD206", "RD207", "RD301", "RD303", "RD402"),
@@ -407,7 +393,7 @@ def placeholder_tensor(context: Context) -> Faults:
             whole = None if tree is None else tree.group[link.name].mass
             small = tree is None or (whole and link.mass < _FRACTION * whole)
             remedy = "write the inertia of the part; robodyn inertia computes it from its mesh"
-            severity = Severity.NOTE if small else Severity.WARNING
+            severity = NOTE if small else WARNING
             yield Fault(inertial.entries[0].span, what, remedy, tensor[0], severity=severity)
 
 

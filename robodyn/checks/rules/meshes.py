@@ -12,7 +12,7 @@ from robodyn.checks.context import STDIN
 from robodyn.checks.examples import a_joint, a_link, a_mesh, a_shaped_link, arm
 from robodyn.checks.importers import READS, unread
 from robodyn.checks.meshes.files import MeshFacts, MeshName, State, all_facts, mesh_names, mesh_slips, mesh_uses
-from robodyn.checks.rule import Context, Fault, Faults, Fix, Severity, rule
+from robodyn.checks.rule import ERROR, NOTE, WARNING, Context, Fault, Faults, Fix, Severity, rule
 from robodyn.robot.urdf.sources import EXPANDED, home_of, package_name, package_of
 from robodyn.robot.urdf.view import value_span
 from robodyn.support.input_file import open_input
@@ -21,10 +21,10 @@ from robodyn.support.wording import alternatives, count, figure, nearest, shown,
 
 @rule(
     "RD601",
-    Severity.ERROR,
+    ERROR,
     good=a_shaped_link(),
     bad=('<box size="0.1 0.1 0.25"/>', "<mesh/>"),
-    default=Severity.NOTE,
+    default=NOTE,
     explains=("RD603",),
 )
 def mesh_missing(context: Context) -> Faults:
@@ -45,7 +45,7 @@ def mesh_missing(context: Context) -> Faults:
             yield _missing(context, name)
         elif name.state is State.REMOTE:
             remedy = "save it in the package: few programs fetch meshes"
-            yield name.fault("is not on this machine", remedy, Severity.WARNING)
+            yield name.fault("is not on this machine", remedy, WARNING)
     yield from _of_strange_packages(context)
     for uri, facts in context.once(all_facts).items():
         name = context.once(mesh_names)[uri]
@@ -77,12 +77,12 @@ def _of_strange_packages(context: Context) -> Faults:
             near = nearest(stranger, neighbours)
             remedies = [alternatives(stranger, near, "packages")] if near else []
             remedy = " ".join([*remedies, "say where it is with --package-path"])
-            yield Fault(at, what, remedy, severity=Severity.WARNING, subject=None)
+            yield Fault(at, what, remedy, severity=WARNING, subject=None)
         elif unseen:
             what = (
                 f"{count(len(unseen), 'mesh is', 'meshes are')} not looked at: nothing is known beside standard input"
             )
-            yield Fault(at, what, "check the file by its name", severity=Severity.NOTE, subject=None)
+            yield Fault(at, what, "check the file by its name", severity=NOTE, subject=None)
 
 
 def _misspelt(package: str, others: Sequence[str]) -> str | None:
@@ -110,7 +110,7 @@ def _missing(context: Context, name: MeshName) -> Fault:
     return name.fault("is not there", remedy, fix=name.renamed(better) if better and there else None)
 
 
-@rule("RD602", Severity.ERROR, good=a_mesh("part.stl", "visual"), bad=("part.stl", "Part.STL"))
+@rule("RD602", ERROR, good=a_mesh("part.stl", "visual"), bad=("part.stl", "Part.STL"))
 def mesh_case(context: Context) -> Faults:
     """Meshes are named in the case that their files have.
 
@@ -128,7 +128,7 @@ _DRIVE = re.compile(r"[A-Za-z]:[\\/]")
 
 @rule(
     "RD603",
-    Severity.WARNING,
+    WARNING,
     good=a_mesh("package://part/meshes/part.stl", "visual"),
     bad=a_mesh("package://part/../meshes/part.stl", "visual"),
 )
@@ -183,7 +183,7 @@ def _found_elsewhere(context: Context, name: MeshName) -> str | None:
 _REMEDY = "repair it where mass, collision or simulation is computed from it; `robodyn inertia` says what to do"
 
 
-@rule("RD604", Severity.WARNING, good=a_mesh("closed.stl"), bad=("closed", "open"))
+@rule("RD604", WARNING, good=a_mesh("closed.stl"), bad=("closed", "open"))
 def mesh_surface(context: Context) -> Faults:
     """Meshes are closed, wound outwards, free of overlaps, and their coordinates are numbers.
 
@@ -204,14 +204,14 @@ def mesh_surface(context: Context) -> Faults:
 
 def _wrong(facts: MeshFacts, name: MeshName) -> tuple[str, Severity] | None:
     if not facts.finite:
-        return f"has a coordinate that is no number: {facts.problem}", Severity.WARNING
+        return f"has a coordinate that is no number: {facts.problem}", WARNING
     if facts.inverted:
         inside_out = "is inside out" if facts.volume < 0 else f"has {facts.inverted} shells that are inside out"
-        return inside_out, Severity.WARNING
+        return inside_out, WARNING
     if facts.doubt:
-        return f"may not be whole: {facts.doubt}", Severity.WARNING
+        return f"may not be whole: {facts.doubt}", WARNING
     gives_mass = any(use.geometry.kind == "collision" and use.link.inertial is None for use in name.uses)
-    what, severity = None, Severity.WARNING if gives_mass else Severity.NOTE
+    what, severity = None, WARNING if gives_mass else NOTE
     if facts.one_sided:
         what = f"has {facts.one_sided} faces in surfaces with one side only: it encloses nothing"
     elif facts.mixed:
@@ -223,10 +223,10 @@ def _wrong(facts: MeshFacts, name: MeshName) -> tuple[str, Severity] | None:
             what = f"is not closed: {share} % of its surface is missing, in gaps that are too large to be filled"
         elif facts.mended:
             what = f"is open by small gaps only ({facts.mended}): filled, it encloses a volume"
-        severity = severity if facts.left or facts.mended is None else Severity.NOTE
+        severity = severity if facts.left or facts.mended is None else NOTE
     elif facts.overlapping:
         what = "has shells that overlap: what they share counts twice where they are not united"
-        severity = Severity.NOTE
+        severity = NOTE
     return None if what is None else (what, severity)
 
 
@@ -237,7 +237,7 @@ _SCALED = _SCALED.replace(
 )
 
 
-@rule("RD605", Severity.ERROR, good=_SCALED, bad=("0.001 0.001 0.001", "1 1 1"))
+@rule("RD605", ERROR, good=_SCALED, bad=("0.001 0.001 0.001", "1 1 1"))
 def mesh_unit(context: Context) -> Faults:
     """Meshes have the size of their robot.
 
@@ -270,7 +270,7 @@ _KNOWN = "; ".join(
 
 @rule(
     "RD607",
-    Severity.NOTE,
+    NOTE,
     explanation=f"""With a target named, formats of meshes that it does not read are reported, once each. They read
 {_KNOWN}. The examples stand beside the meshes that they name, and are checked for mujoco.""",
     good=a_mesh("part.stl"),
@@ -290,7 +290,7 @@ _UP = re.compile(rb"<up_axis>\s*([XY])_UP")
 _HEAD = 1 << 14  # bytes in which COLLADA files say it
 
 
-@rule("RD624", Severity.NOTE, good=a_mesh("z_up.dae", "visual"), bad=("z_up", "y_up"))
+@rule("RD624", NOTE, good=a_mesh("z_up.dae", "visual"), bad=("z_up", "y_up"))
 def axis_up(context: Context) -> Faults:
     """DAE files have the axes that their shapes are drawn with.
 

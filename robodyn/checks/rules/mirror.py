@@ -16,7 +16,7 @@ from robodyn.checks.bodies.masses import POINT, STILL, broken_law, principal_mom
 from robodyn.checks.examples import ARM_LIMIT, IMAGE, ORIGIN, ORIGIN_IMAGE, TENSOR, two_arms, two_elbows
 from robodyn.checks.meshes.files import mesh_names
 from robodyn.checks.mirror import MASS, MOMENTS, Pair, Symmetry, Twins, is_square, named_pairs, symmetry, twins
-from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.checks.rule import MODEL, WARNING, Context, Fault, Faults, rule
 from robodyn.checks.rules.inertia_mistakes import causes
 from robodyn.programs.vectors import length, product, rotation_from_rpy, rpy_from_rotation
 from robodyn.robot.kinematics import Pose
@@ -40,8 +40,8 @@ _LIGHT = 1e-3  # sensors and marks that weigh no more [kg] are put where there i
 
 @rule(
     "RD401",
-    Severity.WARNING,
-    Stage.MODEL,
+    WARNING,
+    MODEL,
     explanation=f"""Links are twins if their names are each other's but for left and right, and at q = 0 each stands
 where the mirror image of the other does; the plane is found from the robot. Masses may differ by {100 * MASS:g} %.
 Where two parts that stand opposite each other do differ, as two tools do, a waiver says so. A ratio of 1000, 2.2046, 10
@@ -72,8 +72,8 @@ def mirror_mass(context: Context) -> Faults:
 
 @rule(
     "RD402",
-    Severity.WARNING,
-    Stage.MODEL,
+    WARNING,
+    MODEL,
     explanation=f"""A reflection leaves principal moments as they are. They may differ by {100 * MOMENTS:g} % of the
 largest, as they stand or each divided by the mass of its link, so that a wrong mass is RD401's alone. Twins are found
 as RD401 says. Where one cause explains the difference, RD306 to RD312 name it instead, and where no body can have one
@@ -110,7 +110,7 @@ _IMAGE = "the mirror image of that"
 _REFLECT = "reflect the one of the two that is wrong, or allow it where one part is mounted on both sides"
 
 
-@rule("RD403", Severity.WARNING, Stage.MODEL, good=two_arms(), bad=("-0.05", "0.05"))
+@rule("RD403", WARNING, MODEL, good=two_arms(), bad=("-0.05", "0.05"))
 def mirror_image(context: Context) -> Faults:
     """Centre of mass and tensor of a right link are the mirror image of the left one's.
 
@@ -150,7 +150,7 @@ def mirror_image(context: Context) -> Faults:
             yield Fault(one.inertial.entries[0].span, what, _REFLECT, apart, MOMENTS)
 
 
-@rule("RD313", Severity.WARNING, good=two_arms(), bad=(IMAGE, TENSOR))
+@rule("RD313", WARNING, good=two_arms(), bad=(IMAGE, TENSOR))
 def copied_from_twin(context: Context) -> Faults:
     """A right link's tensor is the mirror image of the left one's, not a copy.
 
@@ -178,8 +178,8 @@ _CORRECT_JOINT = _ONE_OF_TWO.format("joints")
 
 @rule(
     "RD404",
-    Severity.WARNING,
-    Stage.MODEL,
+    WARNING,
+    MODEL,
     good=two_arms(right_joint='<axis xyz="0 -1 0"/>' + ARM_LIMIT.replace("-0.5", "-2").replace('"2"', '"0.5"')),
     bad=('"0 -1 0"', '"0 1 0"'),
 )
@@ -260,7 +260,7 @@ def _magnitudes(pair: Pair, view: JointView, twin: str) -> Faults:
 _CORRECT_SIDE = _ONE_OF_TWO.format("sides")
 
 
-@rule("RD405", Severity.WARNING, Stage.MODEL, good=two_elbows(), bad=two_elbows("0.1 0.05 0.3"))
+@rule("RD405", WARNING, MODEL, good=two_elbows(), bad=two_elbows("0.1 0.05 0.3"))
 def mirror_origin(context: Context) -> Faults:
     """Twin joints stand at each other's mirror image, where what carries them does.
 
@@ -351,8 +351,8 @@ for _at in (ORIGIN, ORIGIN_IMAGE):
 
 @rule(
     "RD406",
-    Severity.WARNING,
-    Stage.MODEL,
+    WARNING,
+    MODEL,
     good=_ARMS,
     bad=_ARMS.replace('"0.05"', '"0.1"', 1),
     explains=("RD301", "RD302", "RD306", "RD312", "RD403"),

@@ -9,12 +9,12 @@ from typing import NamedTuple
 
 from robodyn.checks.examples import LIMIT, arm
 from robodyn.checks.meshes.files import reach
-from robodyn.checks.rule import Context, Edit, Fault, Faults, Fix, Severity, rule
+from robodyn.checks.rule import ERROR, NOTE, WARNING, Context, Edit, Fault, Faults, Fix, rule
 from robodyn.robot.urdf.parts import WITH_RANGE
 from robodyn.robot.urdf.view import JointView, LimitView, Numbers, numbers
 
 
-@rule("RD503", Severity.ERROR, good=arm(), bad=('"-2"', '"3"'), explains=("RD901",))
+@rule("RD503", ERROR, good=arm(), bad=('"-2"', '"3"'), explains=("RD901",))
 def inverted_limits(context: Context) -> Faults:
     """The lower limit is less than the upper one.
 
@@ -32,7 +32,7 @@ def inverted_limits(context: Context) -> Faults:
             yield Fault(at, what, remedy, lower, upper)
 
 
-@rule("RD504", Severity.WARNING, good=arm(), bad=('lower="-2" upper="2" ', ""))
+@rule("RD504", WARNING, good=arm(), bad=('lower="-2" upper="2" ', ""))
 def no_range(context: Context) -> Faults:
     """The limits of a joint leave it a range, and end somewhere.
 
@@ -69,7 +69,7 @@ _STEP = 5.0  # angles written in degrees are most often multiples of this
 
 @rule(
     "RD507",
-    Severity.WARNING,
+    WARNING,
     good=arm(f'<origin rpy="0 0 1.5707963267948966"/><axis xyz="0 1 0"/>{LIMIT}'),
     bad=("1.5707963267948966", "90"),
 )
@@ -104,7 +104,7 @@ def _range(joint: JointView, limit: LimitView, endless: float) -> Faults:
     what, cause, fix = _what(farther, largest), None, None
     if abs(largest) <= _TURNS:
         remedy = "narrow it, or make the joint continuous"
-        yield Fault(farther.span, what, remedy, abs(largest), 2 * pi, severity=Severity.NOTE, kind="more than a turn")
+        yield Fault(farther.span, what, remedy, abs(largest), 2 * pi, severity=NOTE, kind="more than a turn")
         return
     if abs(largest) > _DEGREES:
         remedy = "make a joint that turns freely continuous, or write the real limits in radians"
@@ -113,7 +113,7 @@ def _range(joint: JointView, limit: LimitView, endless: float) -> Faults:
         soft = [numbers(safety, f"soft_{name}_limit", 1) for name in ("lower", "upper")]
         ends = [end for end in (limit.lower, limit.upper, *soft) if end.given]
         cause, fix = _in_degrees(ends)
-    severity = None if cause is None else Severity.ERROR
+    severity = None if cause is None else ERROR
     yield Fault(farther.span, what, remedy, abs(largest), 2 * pi, cause=cause, fix=fix, severity=severity)
 
 
@@ -134,7 +134,7 @@ _SLACK = 1e-9
 
 @rule(
     "RD508",
-    Severity.WARNING,
+    WARNING,
     good=arm(
         f'<axis xyz="0 1 0"/>{LIMIT}<safety_controller soft_lower_limit="-1.9" soft_upper_limit="1.9" k_velocity="9"/>'
     ),
@@ -167,7 +167,7 @@ def soft_limits(context: Context) -> Faults:
 _ALMOST_A_TURN = 2 * pi * (1 - 1e-2)  # a little less, for limits such as 3.14
 
 
-@rule("RD513", Severity.WARNING, good=arm(), bad=arm(f'<axis xyz="0 1 0"/>{LIMIT}', "continuous"))
+@rule("RD513", WARNING, good=arm(), bad=arm(f'<axis xyz="0 1 0"/>{LIMIT}', "continuous"))
 def continuous_with_range(context: Context) -> Faults:
     """A joint that turns freely has no range that leaves angles out.
 
@@ -296,7 +296,7 @@ def _apart(large: _Given, found: _Given, factor: float, gap: float, band: float)
 
 @rule(
     "RD515",
-    Severity.WARNING,
+    WARNING,
     good=arm('<axis xyz="0 1 0"/><limit lower="0" upper="0.3" effort="30" velocity="0.2"/>', "prismatic"),
     bad=('upper="0.3"', 'upper="300"'),
 )

@@ -8,7 +8,7 @@ from math import isclose, radians, tau
 from typing import NamedTuple
 
 from robodyn.checks.examples import LIMIT, a_joint, a_link, arm
-from robodyn.checks.rule import Context, Fault, Faults, Severity, namesakes, rule
+from robodyn.checks.rule import ERROR, WARNING, Context, Fault, Faults, Severity, namesakes, rule
 from robodyn.checks.srdf import Named, own_srdf
 from robodyn.robot.urdf.document import Element, Span, unexpanded
 from robodyn.robot.urdf.parts import WITH_RANGE
@@ -18,10 +18,7 @@ from robodyn.support.wording import alternatives, figure, shown, slip_of
 _PAIRS_ONLY = frozenset({"disable_collisions", "enable_collisions", "disable_default_collisions"})
 _SIDES = ("left", "right", "leftfront", "leftrear", "rightfront", "rightrear")
 _JOINTS = ("joint", "jointname", "jointnames", "mimicjoint", "actuatedjoint", *(f"{side}joint" for side in _SIDES))
-_NAMES = {
-    **dict.fromkeys(_JOINTS, "joint"),
-    **dict.fromkeys(("bodyname", "linkname", "canonicalbody"), "link"),
-}
+_NAMES = {**dict.fromkeys(_JOINTS, "joint"), **dict.fromkeys(("bodyname", "linkname", "canonicalbody"), "link")}
 """Tags of plugins, in lower case and without _, whose text names a joint or a link; no frames: others may make them."""
 _TRANSMISSION = """
   <transmission name="drive">
@@ -31,12 +28,7 @@ _TRANSMISSION = """
   </transmission>"""
 
 
-@rule(
-    "RD701",
-    Severity.ERROR,
-    good=arm(more=_TRANSMISSION),
-    bad=('<joint name="shoulder"><', '<joint name="sholder"><'),
-)
+@rule("RD701", ERROR, good=arm(more=_TRANSMISSION), bad=('<joint name="shoulder"><', '<joint name="sholder"><'))
 def names_nothing(context: Context) -> Faults:
     """Transmissions, ros2_control, Gazebo and SRDF entries name links and joints that exist.
 
@@ -76,7 +68,7 @@ def names_nothing(context: Context) -> Faults:
             f"there is no {used.kind} {shown(used.name)} in the robot {shown(view.root.get('name') or '')}{more}",
             alternatives(used.name, names, f"{used.kind}s"),
             subject=Subject(used.element.tag, used.element.get("name") or ""),
-            severity=None if found.is_namesake and used.element.tag not in _PAIRS_ONLY else Severity.WARNING,
+            severity=None if found.is_namesake and used.element.tag not in _PAIRS_ONLY else WARNING,
             document=found.document,
         )
 
@@ -113,7 +105,7 @@ _INTERFACES = tuple(
 _REDUCTIONS = ("mechanicalReduction", "mechanical_reduction")
 
 
-@rule("RD703", Severity.ERROR, good=arm(more=_TRANSMISSION), bad=(">50<", ">0<"))
+@rule("RD703", ERROR, good=arm(more=_TRANSMISSION), bad=(">50<", ">0<"))
 def transmission(context: Context) -> Faults:
     """A transmission has a name of its own and a type, and drives moving joints, each once, by a ratio that is not 0.
 
@@ -134,28 +126,28 @@ def transmission(context: Context) -> Faults:
     for again, first in namesakes(root.findall("transmission")):
         what = f"a second transmission of this name; the first is in line {first.line}"
         at = value_span(again, "name")
-        yield Fault(at, what, "rename one of them", subject=_subject(again), severity=Severity.WARNING)
+        yield Fault(at, what, "rename one of them", subject=_subject(again), severity=WARNING)
     for each in root.findall("transmission"):
         subject, kind = _subject(each), each.find("type")
         said = each.get("type") if kind is None else kind.text.strip()
         if not said:
             what = "the transmission has no type: readers pass over it"
             remedy = f"write <type>transmission_interface/{_TYPES[0]}</type>"
-            yield Fault(each.span, what, remedy, subject=subject, severity=Severity.WARNING)
+            yield Fault(each.span, what, remedy, subject=subject, severity=WARNING)
         elif meant := slip_of(said.rpartition("/")[2], _TYPES):
             what, remedy = f"nobody offers the type {shown(said)}", f"did you mean {shown(meant)}?"
-            yield Fault((kind or each).span, what, remedy, subject=subject, severity=Severity.WARNING)
+            yield Fault((kind or each).span, what, remedy, subject=subject, severity=WARNING)
         for joint in each.findall("joint"):
             moved = context.view.joint.get(joint.get("name") or "")
             if moved is not None and moved.type == "fixed":
                 what = f"it drives joint {shown(moved.name)}, which is fixed in line {moved.element.line}"
                 remedy = "delete the transmission, or let the joint move (type=...)"
-                yield Fault(value_span(joint, "name"), what, remedy, subject=subject, severity=Severity.WARNING)
+                yield Fault(value_span(joint, "name"), what, remedy, subject=subject, severity=WARNING)
             for interface in joint.findall("hardwareInterface"):
                 name = interface.text.strip().rpartition("/")[2]
                 if meant := slip_of(name, _INTERFACES):
                     what, remedy = f"nobody offers the interface {shown(name)}", f"did you mean {shown(meant)}?"
-                    yield Fault(interface.span, what, remedy, subject=subject, severity=Severity.WARNING)
+                    yield Fault(interface.span, what, remedy, subject=subject, severity=WARNING)
 
 
 def _reductions(transmission: Element) -> Iterator[Fault]:
@@ -225,7 +217,7 @@ _SHOULDER = """
 _LISTED_AGAIN = '</joint>\n    <joint name="shoulder"><state_interface name="position"/></joint>\n  </ros2_control>'
 
 
-@rule("RD702", Severity.ERROR, good=arm(more=_SHOULDER), bad=("</joint>\n  </ros2_control>", _LISTED_AGAIN))
+@rule("RD702", ERROR, good=arm(more=_SHOULDER), bad=("</joint>\n  </ros2_control>", _LISTED_AGAIN))
 def controlled_joint(context: Context) -> Faults:
     """What ros2_control lists is named, is listed once, and moves; its hardware has a plugin.
 
@@ -248,12 +240,12 @@ def controlled_joint(context: Context) -> Faults:
                 yield one if part.name else replace(one, subject=None)
         if part.element.tag != "joint" and part.name and not part.interfaces:
             what, remedy = f"<{part.element.tag}> offers no interface", "give it a <state_interface>, or delete it"
-            yield part.fault(part.element.span, what, remedy, severity=Severity.WARNING)
+            yield part.fault(part.element.span, what, remedy, severity=WARNING)
         for interface in part.interfaces if part.element.tag == "joint" else ():
             name = interface.get("name") or ""
             if meant := slip_of(name, _STANDARD):
                 what, remedy = f"no controller asks for the interface {shown(name)}", f"did you mean {shown(meant)}?"
-                yield part.fault(value_span(interface, "name"), what, remedy, severity=Severity.WARNING)
+                yield part.fault(value_span(interface, "name"), what, remedy, severity=WARNING)
         if part.joint is not None and part.joint.type == "fixed":
             what = f"ros2_control lists this joint, which is fixed in line {part.joint.element.line}"
             remedy = "let it move (type=...), or delete it from <ros2_control>"
@@ -292,7 +284,7 @@ _WITH_RANGE = """
   </ros2_control>"""
 
 
-@rule("RD704", Severity.ERROR, good=arm(more=_WITH_RANGE), bad=(">-1.5<", ">2.5<"))
+@rule("RD704", ERROR, good=arm(more=_WITH_RANGE), bad=(">-1.5<", ">2.5<"))
 def control_range(context: Context) -> Faults:
     """Ranges in ros2_control are numbers, min is not above max, and positions keep to the joint's own range.
 
@@ -324,7 +316,7 @@ def _beyond(joint: JointView, part: Controlled, interface: Element) -> Iterator[
     what = f"{('min', 'max')[k]} {figure(value)} is beyond the joint's own range, {figure(own[0])} to {figure(own[1])}"
     cause = "the range is in degrees" if in_degrees else None
     remedy = "write radians" if in_degrees else "keep to the range in <limit>, or correct that"
-    yield replace(part.fault(ends[k].span, what, remedy, (value, own[k]), Severity.WARNING), cause=cause)
+    yield replace(part.fault(ends[k].span, what, remedy, (value, own[k]), WARNING), cause=cause)
 
 
 def _wrong(interface: Element) -> Iterator[tuple[Span, str, str, float | None, float | None]]:
@@ -354,7 +346,7 @@ _FOLLOWED = """
 
 @rule(
     "RD705",
-    Severity.ERROR,
+    ERROR,
     good=arm(more=_FINGER + _FOLLOWED),
     bad=('follower"><state_interface', 'follower"><command_interface'),
 )

@@ -11,7 +11,7 @@ from robodyn.checks.bodies.collision_fit import misfits
 from robodyn.checks.bodies.contacts import detached, overlaps
 from robodyn.checks.examples import a_shaped_link, a_tower, arm
 from robodyn.checks.meshes.files import MeshSearch, MeshUse, State, mesh_uses
-from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, namesakes, rule
+from robodyn.checks.rule import ERROR, NOTE, TREE, WARNING, Context, Fault, Faults, namesakes, rule
 from robodyn.checks.rules.text import own_elements
 from robodyn.robot.urdf.document import Element, unexpanded
 from robodyn.robot.urdf.parts import SHAPES
@@ -19,7 +19,7 @@ from robodyn.robot.urdf.view import Subject, numbers, value_span
 from robodyn.support.wording import alternatives, count, figure, shown, shown_path
 
 
-@rule("RD606", Severity.ERROR, good=a_shaped_link(), bad=('"0.1 0.1 0.25"', '"0.1 0 0.25"'), explains=("RD901",))
+@rule("RD606", ERROR, good=a_shaped_link(), bad=('"0.1 0.1 0.25"', '"0.1 0 0.25"'), explains=("RD901",))
 def shape_size(context: Context) -> Faults:
     """Sizes and scales of shapes are positive.
 
@@ -34,7 +34,7 @@ def shape_size(context: Context) -> Faults:
             if size.values is not None and min(size.values) <= 0:
                 what = f"the {size.attribute} of the <{geometry.kind}> {geometry.tag} is {_shown(size.values)}"
                 remedy = "write the size in metres, or remove the shape"
-                severity = Severity.NOTE if geometry.kind == "visual" and min(size.values) == 0 else None
+                severity = NOTE if geometry.kind == "visual" and min(size.values) == 0 else None
                 yield Fault(size.span, f"{what}, not positive", remedy, min(size.values), 0.0, severity=severity)
     scaled: dict[tuple[str, tuple[float, ...]], list[MeshUse]] = {}
     for use in mesh_uses(context):
@@ -45,12 +45,12 @@ def shape_size(context: Context) -> Faults:
         if min(scale) > 0:
             continue
         alike = [other for name, other in scaled if name == uri and [*map(abs, other)] == [*map(abs, scale)]]
-        severity = Severity.NOTE
+        severity = NOTE
         if 0 in scale:
-            severity, what, remedy = Severity.ERROR, "leaves no volume", 'write scale="1 1 1", or leave it out'
+            severity, what, remedy = ERROR, "leaves no volume", 'write scale="1 1 1", or leave it out'
         elif sum(value < 0 for value in scale) % 2:
             if all(prod(other) <= 0 for other in alike) and any(use.geometry.kind != "visual" for use in uses):
-                severity = Severity.WARNING
+                severity = WARNING
             what = "mirrors the mesh: to programs that do not turn its faces, its volume is negative"
             remedy = "export the mesh of this part, mirrored"
         else:
@@ -64,12 +64,7 @@ def _shown(values: tuple[float, ...]) -> str:
     return " ".join(f"{value:g}" for value in values)
 
 
-@rule(
-    "RD608",
-    Severity.WARNING,
-    good=a_shaped_link(),
-    bad=('<geometry><box size="0.1 0.1 0.25"/></geometry>', "<geometry/>"),
-)
+@rule("RD608", WARNING, good=a_shaped_link(), bad=('<geometry><box size="0.1 0.1 0.25"/></geometry>', "<geometry/>"))
 def no_shape(context: Context) -> Faults:
     """A <visual> and a <collision> have a shape, and one only.
 
@@ -95,8 +90,8 @@ _BOX = '<geometry><box size="0.1 0.1 0.25"/></geometry>'
 
 @rule(
     "RD609",
-    Severity.WARNING,
-    Stage.TREE,
+    WARNING,
+    TREE,
     good=a_shaped_link().replace(
         "<inertial>", f'<collision><origin xyz="0 0 0.125"/>{_BOX}</collision>\n    <inertial>', 2
     ),
@@ -123,8 +118,8 @@ _SHOWN = 3
 
 @rule(
     "RD610",
-    Severity.NOTE,
-    Stage.TREE,
+    NOTE,
+    TREE,
     good=a_tower("collision"),
     bad=('child link="tool"/><origin xyz="0 0 0.1"/>', 'child link="tool"/><origin xyz="0 0 -0.08"/>'),
 )
@@ -156,8 +151,8 @@ _COLLISION = '<collision><geometry><box size="0.1 0.1 0.25"/></geometry></collis
 
 @rule(
     "RD611",
-    Severity.WARNING,
-    Stage.TREE,
+    WARNING,
+    TREE,
     good=a_shaped_link().replace("<visual>", f"{_COLLISION}\n    <visual>"),
     bad=('<collision><geometry><box size="0.1 0.1 0.25"/>', '<collision><geometry><box size="0.1 1e-6 0.25"/>'),
     explains=("RD609",),
@@ -188,7 +183,7 @@ _GREY = '\n  <material name="grey"><color rgba="0.5 0.5 0.5 1"/></material>'
 
 @rule(
     "RD621",
-    Severity.WARNING,
+    WARNING,
     good=arm(more=_GREY).replace('<link name="base"/>', _SHAPE),
     bad=arm().replace('<link name="base"/>', _SHAPE),
     explains=("RD901",),
@@ -212,7 +207,7 @@ def undefined_material(context: Context) -> Faults:
         twice = again.get("name") or ""
         what = f"a second <material> {shown(twice)} in <robot> after line {first.line}: urdfdom refuses the file"
         at, subject = value_span(again, "name"), Subject("material", twice)
-        yield Fault(at, what, "keep one of them", subject=subject, severity=Severity.ERROR)
+        yield Fault(at, what, "keep one of them", subject=subject, severity=ERROR)
     seen, told = dict[str, tuple[Element, tuple[float, ...]]](), set()
     for material, is_used in (*((each, False) for each in shared), *((each, True) for each in local)):
         name, rgba = material.get("name"), numbers(material.find("color"), "rgba", 4).values
@@ -230,7 +225,7 @@ def undefined_material(context: Context) -> Faults:
         name = material.get("name")
         if name is None and material.children:
             what = "the <material> has no name: urdfdom drops the shape"
-            yield Fault(material.span, what, 'write name="..."', severity=Severity.ERROR)
+            yield Fault(material.span, what, 'write name="..."', severity=ERROR)
         if name and name not in defined and not _looks(material):
             undefined.setdefault(name, []).append(material)
     for missing, uses in undefined.items():
@@ -247,7 +242,7 @@ def _looks(material: Element) -> bool:
 _RED = '\n  <material name="red"><color rgba="0.8 0.1 0.1 1"/></material>'
 
 
-@rule("RD622", Severity.WARNING, good=arm(more=_RED), bad=("0.8 0.1 0.1", "204 26 26"), explains=("RD901",))
+@rule("RD622", WARNING, good=arm(more=_RED), bad=("0.8 0.1 0.1", "204 26 26"), explains=("RD901",))
 def colour_range(context: Context) -> Faults:
     """Colours are four numbers from 0 to 1: red, green, blue and opacity.
 
@@ -268,7 +263,7 @@ def colour_range(context: Context) -> Faults:
 _WOOD = '\n  <material name="wood"><texture filename="package://part/wood.png"/></material>'
 
 
-@rule("RD623", Severity.WARNING, good=arm(more=_WOOD), bad=("package://part/wood.png", "package:///wood.png"))
+@rule("RD623", WARNING, good=arm(more=_WOOD), bad=("package://part/wood.png", "package:///wood.png"))
 def texture_missing(context: Context) -> Faults:
     """Every texture is there.
 

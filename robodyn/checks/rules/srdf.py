@@ -8,14 +8,14 @@ from dataclasses import replace
 from robodyn.checks.bodies.bodies import box_of, real_shapes, solids
 from robodyn.checks.bodies.masses import STILL, pose
 from robodyn.checks.examples import SRDF
-from robodyn.checks.rule import Context, Fault, Faults, Severity, namesakes, rule
+from robodyn.checks.rule import ERROR, NOTE, WARNING, Context, Fault, Faults, namesakes, rule
 from robodyn.checks.srdf import Srdf, own_srdf, srdf
 from robodyn.robot.urdf.document import Element
 from robodyn.robot.urdf.view import JointView, NumbersError, Subject, parse_numbers, value_span
 from robodyn.support.wording import alternatives, count, figure, shown
 
 
-@rule("RD706", Severity.WARNING, good=SRDF, bad=('robot name="arm"', 'robot name="leg"'))
+@rule("RD706", WARNING, good=SRDF, bad=('robot name="arm"', 'robot name="leg"'))
 def srdf_of_another_robot(context: Context) -> Faults:
     """The SRDF beside a description is for this robot.
 
@@ -31,16 +31,16 @@ def srdf_of_another_robot(context: Context) -> Faults:
         names = len({(used.kind, used.name) for used in found.used})
         what = f"{len(found.missing)} of the {names} links and joints that it names are not in the robot {shown(own)}"
         remedy = "write the SRDF of this robot, or rename the file if it is another one's"
-        yield Fault(at, what, remedy, len(found.missing), 0.0, None, severity=Severity.ERROR, document=found.document)
+        yield Fault(at, what, remedy, len(found.missing), 0.0, None, severity=ERROR, document=found.document)
     elif own and given != own:
         what = f"the SRDF is for the robot {shown(given)}, the description is of {shown(own)}"
         first, second = ("".join(filter(str.isalnum, name.casefold())) for name in (given, own))
         alike = bool(first and second) and (first.startswith(second) or second.startswith(first))
-        severity = Severity.NOTE if alike else None  # the case, what stands between words, or an ending differs
+        severity = NOTE if alike else None  # the case, what stands between words, or an ending differs
         yield Fault(at, what, f"write name={shown(own)}", subject=None, severity=severity, document=found.document)
 
 
-@rule("RD707", Severity.WARNING, good=SRDF, bad=('group="all"', 'group="arm"'))
+@rule("RD707", WARNING, good=SRDF, bad=('group="all"', 'group="arm"'))
 def unknown_group(context: Context) -> Faults:
     """Groups of the SRDF that are named are there, once, and their chains run from the base to the tip.
 
@@ -70,7 +70,7 @@ def unknown_group(context: Context) -> Faults:
         more = f" (and {len(unnamed) - 1} more)" if unnamed[1:] else ""
         at, subject, what = unnamed[0].span, _subject(unnamed[0]), f"the state names no group{more}"
         what, remedy = f"{what}: MoveIt passes over it", 'write group="..."'
-        yield Fault(at, what, remedy, None, None, subject, Severity.NOTE, document=found.document)
+        yield Fault(at, what, remedy, None, None, subject, NOTE, document=found.document)
 
 
 def _twice_or_reversed(context: Context, found: Srdf) -> Iterator[Fault]:
@@ -100,7 +100,7 @@ _KIND = "a state that no pose has"
 _ONE = ("revolute", "prismatic")
 
 
-@rule("RD708", Severity.WARNING, good=SRDF, bad=('value="0"', 'value="2.5"'))
+@rule("RD708", WARNING, good=SRDF, bad=('value="0"', 'value="2.5"'))
 def group_state(context: Context) -> Faults:
     """States of the SRDF are poses that the robot can take.
 
@@ -115,7 +115,7 @@ def group_state(context: Context) -> Faults:
         for element in state.findall("joint"):
             joint = context.view.joint.get(element.get("name") or "")
             for what, remedy, measured, bound in () if joint is None else _wrong(element, joint):
-                at, severity = value_span(element, "value"), Severity.ERROR if bound is None else None
+                at, severity = value_span(element, "value"), ERROR if bound is None else None
                 fault = Fault(at, what, remedy, measured, bound, subject, severity, kind=_KIND)
                 yield replace(fault, document=found.document)
 
@@ -145,7 +145,7 @@ def _wrong(element: Element, joint: JointView) -> Iterator[tuple[str, str, float
 _MOST = 4  # pairs that are named
 
 
-@rule("RD709", Severity.WARNING, good=SRDF, bad=('link1="base" link2="upper"', 'link1="base" link2="tool"'))
+@rule("RD709", WARNING, good=SRDF, bad=('link1="base" link2="upper"', 'link1="base" link2="tool"'))
 def neighbours_collide(context: Context) -> Faults:
     """The SRDF lets neighbours touch.
 

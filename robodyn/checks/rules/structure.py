@@ -12,7 +12,7 @@ from robodyn.checks.bodies.bodies import other_unit
 from robodyn.checks.bodies.contacts import detached, too_large
 from robodyn.checks.examples import a_joint, a_link, a_tower, arm, longer_arm, one_link, two_elbows
 from robodyn.checks.mirror import named_pairs
-from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, namesakes, rule
+from robodyn.checks.rule import ERROR, NOTE, TREE, WARNING, Context, Fault, Faults, namesakes, rule
 from robodyn.robot.urdf.description import cycles
 from robodyn.robot.urdf.document import unexpanded
 from robodyn.robot.urdf.parts import JOINT_TYPES
@@ -20,7 +20,7 @@ from robodyn.robot.urdf.view import JointView, LinkView, View, value_span
 from robodyn.support.wording import alternatives, listed, shown
 
 
-@rule("RD101", Severity.ERROR, good=arm(), bad=('link="upper"', 'link="uper"'))
+@rule("RD101", ERROR, good=arm(), bad=('link="upper"', 'link="uper"'))
 def dangling_reference(context: Context) -> Faults:
     """The parent and the child of every joint are links of the robot.
 
@@ -44,7 +44,7 @@ def dangling_reference(context: Context) -> Faults:
 
 @rule(
     "RD102",
-    Severity.ERROR,
+    ERROR,
     good=longer_arm(),
     bad=arm(more=a_link("fore") + a_joint("elbow", "upper", "fore") + a_joint("strut", "base", "fore")),
 )
@@ -66,7 +66,7 @@ def several_parents(context: Context) -> Faults:
 
 @rule(
     "RD103",
-    Severity.ERROR,
+    ERROR,
     good=arm(more=a_link("a") + a_link("b") + a_joint("to_b", "a", "b") + a_joint("to_a", "upper", "a")),
     bad=('<parent link="upper"/>', '<parent link="b"/>'),
 )
@@ -86,7 +86,7 @@ def cycle(context: Context) -> Faults:
         yield Fault(value_span(element, "link"), what, "a URDF is a tree: correct a parent")
 
 
-@rule("RD104", Severity.ERROR, good=longer_arm(), bad=arm(more=a_link("fore")))
+@rule("RD104", ERROR, good=longer_arm(), bad=arm(more=a_link("fore")))
 def several_roots(context: Context) -> Faults:
     """Exactly one link has no parent.
 
@@ -110,7 +110,7 @@ def _first_above(view: View) -> dict[str, JointView]:
     return above
 
 
-@rule("RD105", Severity.ERROR, good=longer_arm(), bad=arm(more=a_link("upper")))
+@rule("RD105", ERROR, good=longer_arm(), bad=arm(more=a_link("upper")))
 def duplicate_link(context: Context) -> Faults:
     """No two links have the same name.
 
@@ -124,7 +124,7 @@ def _second(kind: str, parts: Sequence[LinkView | JointView]) -> Faults:
         yield Fault(value_span(again, "name"), what, "rename or remove one of them")
 
 
-@rule("RD106", Severity.ERROR, good=longer_arm(), bad=("elbow", "shoulder"))
+@rule("RD106", ERROR, good=longer_arm(), bad=("elbow", "shoulder"))
 def duplicate_joint(context: Context) -> Faults:
     """No two joints have the same name.
 
@@ -132,7 +132,7 @@ def duplicate_joint(context: Context) -> Faults:
     return _second("joint", context.view.joints)
 
 
-@rule("RD107", Severity.ERROR, good=arm(), bad=('name="shoulder" ', ""))
+@rule("RD107", ERROR, good=arm(), bad=('name="shoulder" ', ""))
 def unnamed(context: Context) -> Faults:
     """The robot and every link and joint have a name.
 
@@ -148,7 +148,7 @@ def unnamed(context: Context) -> Faults:
             yield Fault(value_span(element, "name"), what, 'write name="..."', subject=None)
 
 
-@rule("RD108", Severity.ERROR, good=arm(), bad=arm(kind="hinge"))
+@rule("RD108", ERROR, good=arm(), bad=arm(kind="hinge"))
 def unknown_joint_type(context: Context) -> Faults:
     """The type of a joint is revolute, continuous, prismatic, fixed, floating or planar.
 
@@ -161,7 +161,7 @@ def unknown_joint_type(context: Context) -> Faults:
         yield Fault(value_span(joint.element, "type"), what, remedy)
 
 
-@rule("RD109", Severity.ERROR, good=one_link(), bad='<robot name="part">\n</robot>\n')
+@rule("RD109", ERROR, good=one_link(), bad='<robot name="part">\n</robot>\n')
 def no_links(context: Context) -> Faults:
     """A robot has one link at least.
 
@@ -174,12 +174,7 @@ def no_links(context: Context) -> Faults:
 _PLAIN = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 
 
-@rule(
-    "RD110",
-    Severity.NOTE,
-    good=arm().replace("shoulder", "shoulder_pitch"),
-    bad=('"shoulder_pitch"', '"shoulder/pitch"'),
-)
+@rule("RD110", NOTE, good=arm().replace("shoulder", "shoulder_pitch"), bad=('"shoulder_pitch"', '"shoulder/pitch"'))
 def name_portability(context: Context) -> Faults:
     """Names of letters, digits and _ survive a conversion to other formats.
 
@@ -213,8 +208,8 @@ _NEVER = 20.0  # a gap that no robot has between its parts [m]
 
 @rule(
     "RD111",
-    Severity.WARNING,
-    Stage.TREE,
+    WARNING,
+    TREE,
     good=a_tower(),
     bad=('<child link="hand"/><origin xyz="0 0 0.1"/>', '<child link="hand"/><origin xyz="0 0 1.0"/>'),
 )
@@ -231,7 +226,7 @@ def detached_part(context: Context) -> Faults:
         what = f"its parts do not meet: the shapes {below} are {contact.gap:.3g} m from those of '{contact.above}'"
         remedy = "check the parent link, and the unit and signs of the origin"
         at = joint.name_span if joint.origin.element is None else joint.origin.xyz.span
-        severity = Severity.ERROR if contact.gap > _NEVER else None
+        severity = ERROR if contact.gap > _NEVER else None
         yield Fault(at, what, remedy, contact.gap, bound, cause=too_large(context, joint), severity=severity)
 
 
@@ -240,8 +235,8 @@ _SAME_PLACE = 1e-6  # between the joints of namesakes on their parents, each coo
 
 @rule(
     "RD112",
-    Severity.WARNING,
-    Stage.TREE,
+    WARNING,
+    TREE,
     good=two_elbows(),
     bad=('parent link="right_arm"', 'parent link="base"'),
     explains=("RD111", "RD405"),
@@ -338,8 +333,8 @@ def _in_order(names: Sequence[str]) -> bool:
 
 @rule(
     "RD113",
-    Severity.ERROR,
-    Stage.TREE,
+    ERROR,
+    TREE,
     good=a_tower(),
     bad=a_tower().replace("0.1 0.1 0.1", "100 100 100").replace("0.1 0.1 0.25", "100 100 250"),
 )

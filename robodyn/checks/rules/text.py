@@ -7,7 +7,7 @@ from collections.abc import Collection, Mapping, Sequence
 from typing import NamedTuple
 
 from robodyn.checks.examples import INERTIA, arm, inertia, one_link
-from robodyn.checks.rule import Context, Edit, Fault, Faults, Fix, Severity, Stage, rule, text_faults
+from robodyn.checks.rule import ERROR, NOTE, WARNING, Context, Edit, Fault, Faults, Fix, Stage, rule, text_faults
 from robodyn.checks.waivers import Waiver, waivers
 from robodyn.robot.urdf.document import Element, unexpanded
 from robodyn.robot.urdf.parts import INERTIA as ENTRIES
@@ -89,7 +89,7 @@ def own_elements(context: Context) -> Sequence[tuple[Element, Kind, Subject | No
     return found
 
 
-@rule("RD001", Severity.ERROR, Stage.TEXT, good=one_link(), bad=("</link>", ""))
+@rule("RD001", ERROR, Stage.TEXT, good=one_link(), bad=("</link>", ""))
 def malformed_xml(context: Context) -> Faults:
     """The file must be well-formed XML with the root element <robot>.
 
@@ -100,7 +100,7 @@ def malformed_xml(context: Context) -> Faults:
 
 @rule(
     "RD002",
-    Severity.ERROR,
+    ERROR,
     Stage.TEXT,
     good=one_link(),
     bad='<!DOCTYPE robot [<!ENTITY m "2">]>\n' + one_link().replace('"2"', '"&m;"'),
@@ -118,7 +118,7 @@ _EXTENSION = '\n  <drake:joint name="shoulder"/>'
 
 @rule(
     "RD003",
-    Severity.ERROR,
+    ERROR,
     Stage.TEXT,
     good=arm(more=_EXTENSION).replace("<robot ", '<robot xmlns:drake="http://drake.mit.edu" '),
     bad=arm(more=_EXTENSION),
@@ -131,7 +131,7 @@ def undeclared_prefix(context: Context) -> Faults:
     return text_faults(context, "RD003")
 
 
-@rule("RD004", Severity.ERROR, Stage.TEXT, good=one_link(), bad=('"2"', '"${arm_mass}"'))
+@rule("RD004", ERROR, Stage.TEXT, good=one_link(), bad=('"2"', '"${arm_mass}"'))
 def unexpanded_xacro(context: Context) -> Faults:
     """Nothing is left of xacro: no xacro: element, no ${...}, no $(...).
 
@@ -152,12 +152,7 @@ _NUMBERS = frozenset(name for kind in KINDS.values() for name, count in kind.att
 """Attributes that hold numbers, somewhere in URDF."""
 
 
-@rule(
-    "RD005",
-    Severity.WARNING,
-    good=one_link(f'<mass value="2"/>{INERTIA}<origin xyz="0 0 0.1"/>'),
-    bad=("<origin", "<orgin"),
-)
+@rule("RD005", WARNING, good=one_link(f'<mass value="2"/>{INERTIA}<origin xyz="0 0 0.1"/>'), bad=("<origin", "<orgin"))
 def unknown_element(context: Context) -> Faults:
     """Elements and attributes are those of URDF, and each stands where URDF has it and as often.
 
@@ -176,7 +171,7 @@ def unknown_element(context: Context) -> Faults:
                 if child.tag in _OF_DRAKE:
                     remedy = f"Drake reads it as <drake:{child.tag}> in {_OF_DRAKE[child.tag]}; otherwise delete it"
                 meant = child.tag in KINDS or child.tag in _OF_DRAKE or _is_near(child.tag, [*KINDS, *kind.children])
-                yield Fault(child.span, what, remedy, subject=subject, severity=None if meant else Severity.NOTE)
+                yield Fault(child.span, what, remedy, subject=subject, severity=None if meant else NOTE)
             elif known and child.tag not in kind.repeated and child.tag in seen:
                 first = f"the first is in line {seen[child.tag].line}"
                 what = f"a second <{child.tag}> in <{element.tag}>, {first}; readers differ in which they take"
@@ -191,7 +186,7 @@ def unknown_element(context: Context) -> Faults:
                 if other in absent:
                     remedy = f"did you mean {shown(other)}?"
                 meant = nothing_read or name in _NUMBERS or other in absent or _is_near(name, absent)
-                at, severity = element.attributes[name].span, None if meant else Severity.NOTE
+                at, severity = element.attributes[name].span, None if meant else NOTE
                 yield Fault(at, what, remedy, subject=subject, severity=severity)
 
 
@@ -206,7 +201,7 @@ def _is_near(tag: str, known: Collection[str]) -> bool:
 _PAIRS = (("iyx", "ixy"), ("izx", "ixz"), ("izy", "iyz"))
 
 
-@rule("RD006", Severity.WARNING, good=one_link(), bad=('iyz="', 'iyx="0.001" iyz="'))
+@rule("RD006", WARNING, good=one_link(), bad=('iyz="', 'iyx="0.001" iyz="'))
 def transposed_product(context: Context) -> Faults:
     """Products of inertia are called ixy, ixz and iyz.
 
@@ -235,7 +230,7 @@ def transposed_product(context: Context) -> Faults:
 _LONGEST = 2000  # characters of an attribute of numbers
 
 
-@rule("RD007", Severity.ERROR, good=one_link(f'<origin xyz="0 0.1 0"/><mass value="2"/>{INERTIA}'), bad=("0.1", "0,1"))
+@rule("RD007", ERROR, good=one_link(f'<origin xyz="0 0.1 0"/><mass value="2"/>{INERTIA}'), bad=("0.1", "0,1"))
 def bad_number(context: Context) -> Faults:
     """Numbers are finite, decimal, no larger than 1e30, and as many as the attribute holds.
 
@@ -266,7 +261,7 @@ _IDENTITY = '<mass value="2"/>' + inertia("1 0 0 1 0 1")
 
 @rule(
     "RD008",
-    Severity.WARNING,
+    WARNING,
     good=one_link(f"{_IDENTITY} <!-- robodyn: allow RD208 a test weight, its tensor does not matter -->"),
     bad=one_link(f"<!-- robodyn: allow RD208 -->{_IDENTITY}"),
 )
@@ -282,12 +277,7 @@ def waiver_not_in_force(context: Context) -> Faults:
             yield Fault(waiver.at, what, remedy, subject=None)
 
 
-@rule(
-    "RD009",
-    Severity.WARNING,
-    good=one_link(),
-    bad=("<mass", "<!-- robodyn: allow RD208 no tensor is published --><mass"),
-)
+@rule("RD009", WARNING, good=one_link(), bad=("<mass", "<!-- robodyn: allow RD208 no tensor is published --><mass"))
 def unused_waiver(context: Context) -> Faults:
     """A waiver allows a finding that is there.
 
@@ -306,7 +296,7 @@ def without_use(waiver: Waiver, code: str) -> Fault:
 _KNOWN = re.compile(r"1\.[0-2]")
 
 
-@rule("RD010", Severity.ERROR, good=one_link().replace("<robot ", '<robot version="1.0" '), bad=('"1.0"', '"2.0"'))
+@rule("RD010", ERROR, good=one_link().replace("<robot ", '<robot version="1.0" '), bad=('"1.0"', '"2.0"'))
 def version(context: Context) -> Faults:
     """The version of a description is one that readers know.
 
