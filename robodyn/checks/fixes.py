@@ -23,8 +23,8 @@ SAME = 64 * 2.0**-52
 
 
 def together(findings: Iterable[Finding], safe: bool) -> Pairs:
-    """Return fixes that do not touch each other, the earlier in the text first, then the lower code; each with all its
-    edits or not at all."""
+    """Return fixes that do not touch each other, the earlier in the text first, then the lower code; each whole or
+    not."""
 
     def touch(a: Edit, b: Edit) -> bool:
         if a.start == a.end or b.start == b.end:  # at a border of the other nothing is inserted, either
@@ -146,10 +146,9 @@ def _edited(text: bytes, pairs: Pairs, encoding: str) -> bytes:
 
 
 def change_of_dynamics(before: bytes, after: bytes) -> float:
-    """Return max |tau' - tau| / max |tau| of inverse dynamics in random states; infinite where the coordinates differ.
-    The base is free, so that its inertia counts; states are normally distributed with a variance of 1, the same for
-    both. InputError where a text cannot be loaded. Accuracy: of descriptions that differ in rounding alone, below
-    `SAME`."""
+    """Return max |tau' - tau| / max |tau| of inverse dynamics in random states; infinity of other coordinates. The base
+    is free, so that its inertia counts; states are normal with variance 1, the same for both. InputError where a text
+    cannot be loaded. Accuracy: below `SAME` where only rounding differs."""
     import numpy as np
 
     from robodyn.dynamics.inverse import inverse_dynamics

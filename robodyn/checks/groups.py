@@ -100,9 +100,8 @@ def places(findings: Iterable[Finding]) -> tuple[Finding, ...]:
 
 
 def deduplicate(findings: Sequence[Finding], rules: Mapping[str, Rule]) -> list[Finding]:
-    """Return the findings of one file without those that another rule explains, for the same link or joint. Of two that
-    are one defect the one that explains stays, unless the other is more severe: then that one stays, and what explains
-    it becomes its cause."""
+    """Return the findings of one file without those that another rule explains for the same part. Of two that are one
+    defect the one that explains stays, or else the more severe one, with what explains it as its cause."""
     of: dict[tuple[Subject, str], list[Finding]] = {}
     for finding in findings:
         if finding.subject is not None:
@@ -173,8 +172,8 @@ def compared(findings: Iterable[Finding], path: str) -> Compared:
 
 
 def write_baseline(findings: Iterable[Finding], path: str) -> int:
-    """Write the findings as a baseline, a line for each place and in order, and return how many there are; InputError
-    where the file cannot be written."""
+    """Write the findings as a baseline, a line for each place, in order, and return how many there are; or
+    InputError."""
     folder = os.path.dirname(os.path.abspath(path))
     counts = Counter(identity(finding, folder) for finding in places(findings))
     lines = [json.dumps({**same._asdict(), "count": count}) for same, count in sorted(counts.items())]

@@ -167,7 +167,7 @@ def _turned(limit: LimitView) -> bool:
 
 def _weightless(context: Context) -> frozenset[str]:
     """Links that Gazebo drops, with all behind them: they and what is fixed to them have no mass; but a root called
-    world, to which nothing is joined."""
+    world."""
     mass = dict.fromkeys(context.view.link, 0.0)
     for link in reversed(context.tree.links):
         mass[link.name] += link.mass or 0.0

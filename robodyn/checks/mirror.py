@@ -333,8 +333,7 @@ def _by_contents(
     p: Mapping[str, Floats],
 ) -> tuple[Pair, Floats | None]:
     """The pair as what its links have tells: as it is, one part mounted on both sides, or with the right frame turned
-    back, by the rotation that is given: then more of what it carries is the image of what the other does, or all of it
-    if it may be one part."""
+    back by the rotation given: then more of what it carries is the image, or all if it may be one part."""
     left, right = pair.left.name, pair.right.name
     S, rotation = (
         _other_axes(pair, has, among) if among is _REFLECTIONS or is_square(pair.D) else None
@@ -402,8 +401,7 @@ def link_inertia(inertial: Inertial) -> tuple[Floats, Floats]:
 @dataclass(frozen=True, eq=False)
 class Twins:
     """A pair of which both links have mass: the right link in the file, the masses of left and right [kg], centre of
-    mass [m] and inertia by mass [m^2] of the left link's mirror image and of the right link, in the right link's
-    axes."""
+    mass [m] and inertia by mass [m^2] of the left link's mirror image and of the right link in its axes."""
 
     pair: Pair
     link: LinkView

@@ -219,8 +219,8 @@ class Config:
     per_file: tuple[tuple[str, tuple[str, ...]], ...] = ()
 
     def of(self, path: str, given: Options) -> Options:
-        """Return the options for one file, `given` being those of the call: its `select` and package path win over the
-        project's, its `ignore` is added to it."""
+        """Return the options for one file, `given` those of the call: its `select` and package path win, its `ignore`
+        is added."""
         own, relative = self.options, os.path.relpath(path, self.folder).replace(os.sep, "/")
         names = (relative, f"./{relative}", os.path.basename(path))
         hit = [codes for pattern, codes in self.per_file if any(fnmatchcase(name, pattern) for name in names)]
@@ -246,8 +246,7 @@ class Config:
 
 
 def find_config(folder: str, known: dict[str, Config | None]) -> Config | None:
-    """Return the settings that hold in a folder: of the nearest file, there or above, that has any; what is `known` of
-    other folders is added to."""
+    """Return the settings that hold in a folder: of the nearest file, there or above, that has any; `known` grows."""
     folder = os.path.abspath(folder)
     if folder not in known:
         above = os.path.dirname(folder)
@@ -261,8 +260,8 @@ def find_config(folder: str, known: dict[str, Config | None]) -> Config | None:
 
 
 def read_config(path: str) -> Config:
-    """Return the settings in a file; InputError where it cannot be read, is not TOML, has no such table, or a key in it
-    is not understood."""
+    """Return the settings in a file; InputError where it cannot be read, or has no such table, or a key that is not
+    understood."""
     try:
         config = parse_config(read_input(path), path)
     except (OSError, ValueError) as error:

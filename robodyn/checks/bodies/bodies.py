@@ -83,8 +83,8 @@ def _sized(context: Context) -> Solids:
 
 
 def other_unit(context: Context) -> tuple[float, float] | None:
-    """How many times too large a robot is drawn, and the median of its links' masses over the boxes around their shapes
-    [kg/m^3]; None of one in metres."""
+    """How many times too large a robot is drawn, None in metres; and its links' mass over their boxes' volume, in the
+    median."""
     known, densities = context.once(_sized), list[float]()
     for link in context.view.links:
         box, mass = box_of(real_shapes(link), known, STILL), link.inertial.mass.value if link.inertial else None
@@ -128,8 +128,8 @@ def outside(box: Box, point: Floats) -> float:
 
 
 class Shaped(NamedTuple):
-    """A link as its shapes have it: a solid in the link's axes, and whether every shape encloses a volume; a box stands
-    for one that does not."""
+    """The solid that a link's shapes are, in its axes; not `definite` if a box stands for one that encloses no
+    volume."""
 
     solid: Uniform
     definite: bool
@@ -137,8 +137,8 @@ class Shaped(NamedTuple):
 
 def shaped(context: Context) -> Mapping[str, Shaped]:
     """By name the links of which all visual shapes are known, or else all collision shapes, as uniform solids. A mesh
-    that is not closed counts as what its triangles enclose with their boundary's cone to a point inside, where that is
-    like a body, as it is of 98 in 100."""
+    that is not closed counts as what it encloses with the cone of its boundary to a point inside, where that is like a
+    body."""
     known, facts = context.once(solids), context.once(all_facts)
     found = {}
     for link in context.view.links:
@@ -326,8 +326,8 @@ def judged(context: Context, tensors: bool = True) -> Iterator[Body]:
 
 
 def suspected(context: Context, body: Body, centre: bool = False) -> str | None:
-    """Return what may explain that an inertia, or else a centre of mass, does not fit the shapes, in words; None if
-    nothing does."""
+    """What may explain that an inertia, or else a centre of mass, does not fit the shapes, in words; None if nothing
+    does."""
     verdict = context.once(weighed).get(body.link.name)
     if verdict is None or verdict.right > DOUBTED:
         return None

@@ -57,8 +57,8 @@ class Misfit(NamedTuple):
 
 
 class _Link(NamedTuple):
-    """A link, its collision shapes that are `felt` and its visual ones that are `seen`, and the boxes around both along
-    its axes, None where one is not known."""
+    """A link, its collision shapes, `felt`, and visual ones, `seen`, and the boxes around both, None where one is
+    unknown."""
 
     view: LinkView
     felt: Sequence[GeometryView]

@@ -201,8 +201,8 @@ class Hull:
 def depth(first: Hull, second: Hull, bound: float) -> float:
     """Return the least distance by which the one has to move for the two to be apart [m]; 0 where it is within a bound:
     min over directions d of h1(d) + h2(-d), h being the reach; over the axes of both and the line between them, over
-    120 directions all round, and then ever nearer to the best. Accuracy: above the true depth of the hulls, by less
-    than a percent of the bodies' size."""
+    120 directions all round, and then ever nearer to the best. Accuracy: above the hulls' true depth, by less than 1 %
+    of their size."""
     axes = np.concatenate((first.pose.R.T, second.pose.R.T))
     between = second.pose.p - first.pose.p
     line = between[None] / (length(between) or 1.0)

@@ -141,8 +141,7 @@ def maker() -> str:
 
 
 def shelf(digest: str, what: str) -> tuple[ObjectCache, Key]:
-    """Where something about the content of a mesh is kept: nowhere if robodyn is installed without its sources, by
-    which versions are told apart."""
+    """Where something about a mesh is kept: nowhere without the sources of robodyn, which tell versions apart."""
     folder = cache_folder() if digest and maker() else None
     store = ObjectCache(None if folder is None else folder / "meshes" / digest[:2], _SHARD)
     return store, Key(f"{digest} {what}", maker())
@@ -331,8 +330,8 @@ class MeshSearch:
 
 
 class UnitSlip(NamedTuple):
-    """A mesh as it is used: its longest side [m], or its scale where the file is not known, the factor of its size, and
-    how that shows."""
+    """A mesh as it is used: its longest side [m], or its scale if the file is unknown, its factor, and how that
+    shows."""
 
     name: MeshName
     longest: float

@@ -95,8 +95,7 @@ def regression(context: Context) -> Faults:
     With --against REF, the robot is compared with what git has of the same file at that revision, with --against FILE
     with another description, as `robodyn diff` does: the tree, joints, masses, what acts on joints, and the torques of
     both. Moving a fixed frame, renaming a fixed joint or splitting a link changes nothing here. Of a xacro file the
-    version is expanded with the files that it includes as they were. The examples are two versions of a file: the bad
-    one is compared with the good one."""
+    version is expanded with the files that it includes as they were. The bad example is compared with the good one."""
     against = context.asked.against
     if against is None:
         return

@@ -156,8 +156,7 @@ def inertia_below_shell(context: Context) -> Faults:
     the moment of inertia is at least a twentieth of that of the solid with the link's mass. Less means that nearly all
     mass is in one spot or, where it is one axis only, on a line. Where a shape encloses no definite volume, the largest
     principal moment is at least a tenth of that of the largest shell that fits into the box around the shapes, 2/3 m
-    r^2; of a link without shapes at least that of a ball of tungsten. That of a point is RD204's, and a mass beyond any
-    solid RD304's."""
+    r^2; without shapes that of a ball of tungsten. A point is RD204's, a mass beyond any solid RD304's."""
     known = context.once(shaped)
     for body in judged(context):
         tensor, shape = body.link.tensor, known.get(body.link.name)
@@ -191,8 +190,7 @@ def _below_solid(body: Body, solid: Uniform) -> tuple[float, float, str] | None:
 
 
 def _below_shell(body: Body) -> tuple[float, float, str] | None:
-    """The largest principal moment beside that of a shell that fits into the shapes or, without shapes, of a ball of
-    tungsten."""
+    """The largest principal moment beside that of a shell in the shapes or, without shapes, of a ball of tungsten."""
     largest, box = principal_moments(body.link.tensor or (0.0,) * 6)[2], body.own
     if box is not None:
         radius = float((box.hi - box.lo).min()) / 2

@@ -51,9 +51,8 @@ def causes(context: Context) -> Mapping[str, Cause]:
     shapes name it (see `mistakes`), or else its mirror twin: the tensor is more than 10 % from the mirror image of the
     twin's, and one correction alone is possible, not beyond the link's shapes, and within 2 % of that image. The twin
     counts only where it is possible itself, and its shapes blame nothing on it; it is the one that is wrong where the
-    correction would carry the tensor away from the link's shapes. Two corrections that explain it explain nothing, but
-    that a copy of the twin also has wrong signs, and that several orders of the entries are one cause without a
-    correction."""
+    correction would carry the tensor away from the link's shapes. Two corrections explain nothing, but a copy of the
+    twin has wrong signs, too, and orders of the entries are one cause."""
     twins, found = {pair.right.name: pair for pair in context.once(pairs)}, dict[str, Cause]()
     for link in context.view.links:
         twin, wrong = twins.get(link.name), link
@@ -138,8 +137,7 @@ def _of_another(context: Context, link: LinkView, said: Given) -> Fix | None:
 
 
 def faults(context: Context, code: str) -> Iterator[Fault]:
-    """Yield the findings of the rule of one cause: of tensors that a body could have. RD206 and RD207 report the
-    others."""
+    """Yield the findings of one cause: of tensors that a body could have, for RD206 and RD207 report the others."""
     for link in context.view.links:
         cause = context.once(causes).get(link.name)
         if cause is None or cause.code != code or not cause.physical:
@@ -233,9 +231,9 @@ def unit_slip(context: Context) -> Faults:
     One unit, or one system of units, explains what does not fit the shapes: g, mg, lb or t for kg, mm, cm or in for m,
     and all their products for kg m^2, in one of the three quantities or in several. The link is weighed by the uniform
     solid that its own shapes are: by density, centre, size and form. A unit is named where it is nine times as probable
-    as everything else together, any factor that belongs to no unit included; otherwise the candidates are listed in a
-    warning. Tensors near a multiple of the identity and round numbers are made up, not in other units. RD301 to RD304
-    are silent about such a link."""
+    as everything else together, any factor that belongs to no unit included; or else the candidates are listed in a
+    warning. Multiples of the identity and round numbers are made up, not in other units. RD301 to RD304 are silent
+    then."""
     for name, verdict in context.once(weighed).items():
         if not verdict.units:
             continue
@@ -293,8 +291,7 @@ def parallel_axis_again(context: Context) -> Faults:
 
     A tensor that is about the centre of mass already becomes too small, and often impossible, where m (|c|^2 1 - c c^T)
     is subtracted from it, and too large where the term is added twice. That adding the term makes a tensor possible is
-    no evidence: the shapes or the twin have to agree. RD206 and RD207 name the cause of tensors that no body has; this
-    rule reports the others."""
+    no evidence: the shapes or the twin have to agree. RD206 and RD207 name it of tensors that no body has."""
     return faults(context, "RD308")
 
 
@@ -306,9 +303,8 @@ _TURNED = inertia("0.03 0.004 -0.003 0.02 -0.002 0.025")
 def rpy_not_applied(context: Context) -> Faults:
     """The tensor is in the axes of its <origin>.
 
-    Where <origin> in <inertial> has an rpy, the tensor is in the axes turned by it. A tensor in the link's axes is
-    right with rpy 0 only. Its principal moments are right either way: it takes the link's shapes or its mirror twin to
-    see it."""
+    Where <origin> in <inertial> has an rpy, the tensor is in the axes turned by it. In the link's axes it is right with
+    rpy 0 only. Its principal moments tell nothing: the link's shapes or its mirror twin do."""
     return faults(context, "RD309")
 
 
@@ -318,8 +314,8 @@ def entry_order(context: Context) -> Faults:
 
     MuJoCo's fullinertia is ixx iyy izz ixy ixz iyz, Voigt's order ixx iyy izz iyz ixz ixy, and a triangle by columns
     ixx ixy iyy ixz iyz izz; a matrix of nine entries, row by row, has iyx in fourth place. Pasting one for another
-    gives a tensor that no body has, whose cause RD206 and RD207 name, or wrong products, which this rule reports by the
-    link's mirror twin or its shapes."""
+    gives a tensor that no body has, whose cause RD206 and RD207 name, or wrong products, which the twin or the shapes
+    show."""
     return faults(context, "RD310")
 
 
@@ -338,8 +334,8 @@ def entry_decade(context: Context) -> Faults:
 def permuted_axes(context: Context) -> Faults:
     """The tensor is in the axes of the link, not in another program's.
 
-    Programs differ in which axis points up or forward. A tensor with x, y and z exchanged has the right principal
-    moments about the wrong axes, and a centre of mass outside the shapes is one in those axes, too (RD302). RD206 and
-    RD207 name the cause of tensors that no body has; this rule reports those that a body could have, but not this link,
-    by its mirror twin or its shapes."""
+    Programs differ in which axis is up. A tensor with x, y and z exchanged has the right principal moments about the
+    wrong axes, and a centre of mass outside the shapes is one in those axes, too (RD302). RD206 and RD207 name the
+    cause of tensors that no body has; this rule reports those that a body could have, but not this link, by its mirror
+    twin or its shapes."""
     return faults(context, "RD312")

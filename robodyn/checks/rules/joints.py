@@ -38,8 +38,7 @@ def zero_axis(context: Context) -> Faults:
 def axis_length(context: Context) -> Faults:
     """The axis of a joint is a unit vector.
 
-    URDF asks for it. Most readers normalise the axis, but those that do not turn the joint by a multiple of its
-    coordinate."""
+    URDF asks for it. Most readers normalise the axis; the others turn the joint by a multiple of its coordinate."""
     bound = context.thresholds.axis_length
     for joint in context.view.joints:
         axis = joint.axis.values
@@ -116,8 +115,7 @@ def effort_velocity(context: Context) -> Faults:
 def negative_friction(context: Context) -> Faults:
     """Damping and friction are not negative.
 
-    Friction takes energy out of a joint. With a negative coefficient it speeds up by itself, and a simulation
-    diverges."""
+    Friction takes energy out. With a negative coefficient a joint speeds up by itself, and a simulation diverges."""
     for joint in context.view.joints:
         for found in (joint.damping, joint.friction):
             if found.value is not None and found.value < 0:

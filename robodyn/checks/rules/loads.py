@@ -207,8 +207,8 @@ def static_torques(context: Context) -> tuple[StaticTorque, ...]:
 
 
 def position_ranges(model: Model) -> tuple[Floats, Floats]:
-    """(n,) the least and the largest position of each coordinate [rad or m]: a turn where an angle has no limits, or a
-    wider range; 0 where a slide has none."""
+    """(n,) the least and the largest position of each coordinate [rad or m]: a turn at most; 0 of a slide without
+    limits."""
     low, high = np.zeros(model.n), np.zeros(model.n)
     for joint in model.independent:
         lower, upper = joint.lower, joint.upper
@@ -274,9 +274,8 @@ def inverse_of_definite(M: Floats) -> Floats | None:
 
 
 def joint_space_inertia(model: Model, q: Floats) -> Floats:
-    """M(q) = sum of m J_v^T J_v + J_w^T I_c J_w over the bodies, with rotor inertias on the diagonal. For one pose (n,)
-    of a robot without floating joints this is ready long before `robodyn.mass_matrix` is traced. Accuracy: 1e-12 of the
-    largest entry."""
+    """M(q) = sum of m J_v^T J_v + J_w^T I_c J_w over the bodies, with rotor inertias on the diagonal. For one pose
+    (n,), without floating joints, it is ready before `robodyn.mass_matrix` is traced. Accuracy: 1e-12."""
     M, columns = np.zeros((model.n, model.n)), list[Floats]()
     for body, pose in zip(model.bodies, body_poses(model, q), strict=True):
         R, p, joint = narrowed(pose.R), narrowed(pose.p), body.joint

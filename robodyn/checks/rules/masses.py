@@ -72,8 +72,7 @@ def massless_group(context: Context) -> Faults:
 
     Links joined by fixed joints are one body, a rigid group. A moving group without any mass makes the mass matrix
     singular. Where the group carries other bodies with mass, it is a warning: the mass matrix is regular then, but
-    MuJoCo makes up a mass from collision shapes or refuses the robot, and Gazebo drops the group and all that it
-    carries."""
+    MuJoCo makes up a mass from collision shapes or refuses the robot, and Gazebo drops it all."""
     carried = context.once(carried_masses)
     for group in context.tree.groups:
         if group.joint is None or any(link.inertial is not None for link in group.links):
@@ -126,8 +125,7 @@ def tiny_body(context: Context) -> Faults:
     """A moving body has a mass and a size that a machine part can have.
 
     A rigid group (links joined by fixed joints) of less than 0.1 g, or of a radius of gyration below 0.1 mm, is a slip
-    of units or a number put in to satisfy a program. It makes the mass matrix ill-conditioned and asks for tiny
-    steps."""
+    of units or put in to satisfy a program. It makes the mass matrix ill-conditioned and asks for tiny steps."""
     limits = context.thresholds
     for group in context.tree.groups:
         if group.joint is None or not group.mass or group.mass < 0:

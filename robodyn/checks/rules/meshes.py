@@ -193,8 +193,7 @@ def mesh_surface(context: Context) -> Faults:
     another, as far as a few points of each show. The last is a remark; the three before it are a warning where a link
     takes its mass from the mesh, being a <collision> of one without <inertial>, and remarks otherwise. Of an open
     surface it is said, with the numbers that `robodyn inertia` goes by, whether its gaps are small enough to be filled,
-    a remark then, or what is missing. The bad example stands beside a file `open.stl`, a box without lid; the good one
-    beside `closed.stl`."""
+    a remark then, or what is missing. The examples stand beside `open.stl`, a box without lid, and `closed.stl`."""
     for uri, facts in context.once(all_facts).items():
         name = context.once(mesh_names)[uri]
         found = _wrong(facts, name)

@@ -268,8 +268,8 @@ def mirror_origin(context: Context) -> Faults:
     tells. Joints are twins if the names of the links that they carry are each other's but for left and right; the
     mirror plane is the robot's own, as RD401 finds it. Reported are joints whose parent is one link in that plane or on
     two links that are twins. Passed over are fixed ones that carry no mass, such as sensors; what is mounted alike on a
-    part that is itself mounted on both sides, as fingers on a gripper; and frames that lie askew where no sign in rpy
-    explains it."""
+    part that is itself mounted on both sides, as fingers on a gripper; and askew frames that no sign in rpy
+    explains."""
     found, heavy = context.once(symmetry), set[str]()
     if found is None:
         return
@@ -363,8 +363,8 @@ def mirror_shapes(context: Context) -> Faults:
     Of the <visual> shapes and of the <collision> shapes of twins, found as RD401 says, the boxes around them are each
     other's mirror image, or that of one part mounted on both sides, within 15 % of their size and 1 cm; and where the
     one has some, so has the other. Where one link's <visual> and <collision> shapes are farther from each other than
-    those of its twin, it is the wrong one. A mesh for both whose file says left or right, and has a counterpart beside
-    it, is one of them too often."""
+    those of its twin, it is the wrong one. A mesh for both whose file is called left or right, beside a counterpart, is
+    wrong."""
     yield from _mesh_of_the_other(context)
     known, found = context.once(solids), context.once(symmetry)
     for pair in () if found is None else (way for each in found.pairs.values() for way in (each, each.turned)):

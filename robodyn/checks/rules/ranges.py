@@ -37,8 +37,7 @@ def no_range(context: Context) -> Faults:
     """The limits of a joint leave it a range, and end somewhere.
 
     A revolute or prismatic joint needs lower and upper; an absent one is 0, and with both absent the joint is frozen. A
-    stand-in such as 1e16 passes for a range. A joint that turns freely, as a wheel or a propeller does, is `continuous`
-    and has neither."""
+    stand-in such as 1e16 passes for a range. What turns freely, as a wheel, is `continuous` and has neither."""
     for joint in context.view.joints:
         limit = joint.limit
         if limit is None or limit.range is None or joint.type not in WITH_RANGE:
@@ -143,8 +142,7 @@ _SLACK = 1e-9
 def soft_limits(context: Context) -> Faults:
     """Soft limits lie within the hard limits, lower below upper.
 
-    The safety controller begins to brake at the soft limit. Outside the hard one it never does, and the joint meets its
-    end stop at full speed."""
+    The safety controller brakes from the soft limit on. Outside the hard one the joint meets its stop at full speed."""
     for joint in context.view.joints:
         safety = joint.element.find("safety_controller")
         limit = joint.limit
@@ -172,8 +170,7 @@ def continuous_with_range(context: Context) -> Faults:
     """A joint that turns freely has no range that leaves angles out.
 
     Readers ignore lower and upper of a continuous joint. A range that is less than a whole turn says that the part has
-    stops: a revolute joint was meant. Ranges of a turn and more leave nothing out, and lower = upper is taken for
-    none."""
+    stops: a revolute joint was meant. Ranges of a turn and more leave nothing out; lower = upper is none."""
     for joint in context.view.joints:
         limit = joint.limit
         if joint.type != "continuous" or limit is None or limit.range is None:
@@ -203,8 +200,8 @@ robot's longest offset, is in millimetres."""
 
 
 class LimitSlip(NamedTuple):
-    """A number of <limit> that is too large by a factor between units: the unit that it seems to be in, that in which
-    URDF takes it, and what speaks for it."""
+    """A number of <limit> in another unit: how many times too large, the unit it seems to be in, URDF's, and what
+    speaks for it."""
 
     numbers: Numbers
     factor: float

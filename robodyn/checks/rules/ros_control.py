@@ -111,8 +111,8 @@ def transmission(context: Context) -> Faults:
 
     A joint in two transmissions gets two drives, or the later one replaces the earlier. A reduction of 0 is refused.
     One without a type is passed over, and so is a joint whose hardware interface has a name that nobody offers; a drive
-    of a fixed joint moves nothing. Types and interfaces of other packages are not judged, but for those that are the
-    usual ones' but for a slip."""
+    of a fixed joint moves nothing. Types and interfaces of other packages are not judged, but for slips of the usual
+    ones."""
     root = context.view.root
     inside = [each for control in root.findall("ros2_control") for each in control.findall("transmission")]
     for transmissions in (root.findall("transmission"), inside):
@@ -224,7 +224,7 @@ def controlled_joint(context: Context) -> Faults:
     controller_manager ends at start where one interface of a joint, sensor or gpio is offered twice, and where one of
     them or an interface has no name. A fixed joint has nothing to command, and the controller that waits for it never
     starts; nor does one where the name of an interface has a letter too many. A sensor or gpio that offers nothing is
-    not there for anybody."""
+    of no use."""
     listed: dict[tuple[int, str, str], Element] = {}
     offered: dict[tuple[str, str, str], Element] = {}
     for control in context.view.root.findall("ros2_control"):
@@ -355,8 +355,8 @@ def controlled_mimic(context: Context) -> Faults:
 
     A joint with <mimic> has no command interface of its own, unless it says mimic="false"; mimic="true" needs a <mimic>
     in the URDF; and the joint that is followed is in the same <ros2_control>: otherwise controller_manager ends at
-    start (ROS 2 Jazzy). The parameters mimic and multiplier, of Humble and before, name a joint of the same
-    <ros2_control> and agree with the URDF."""
+    start (ROS 2 Jazzy). The parameters mimic and multiplier, of Humble and before, name a joint in it and agree with
+    the URDF."""
     parts = [part for part in controlled(context.view) if part.element.tag == "joint"]
     for part in parts:
         beside = [other.name for other in parts if other.control is part.control]

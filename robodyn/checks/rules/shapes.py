@@ -27,8 +27,7 @@ def shape_size(context: Context) -> Faults:
     dropped by others; one of size zero that is only seen is a remark. One or three negative scales make a mirror image,
     whose faces look inwards unless the program turns them: MuJoCo, Drake and trimesh do, and have its volume right;
     Pinocchio 4.1 has a negative volume and inertia of the shape. So this is a warning in a <collision>, and a remark
-    where the mesh is only a <visual>, or stands unmirrored in the robot, too. Two negative scales are half a turn,
-    right in all four, and a remark."""
+    where the mesh is only a <visual>, or stands unmirrored in the robot, too. Two are half a turn, a remark."""
     for geometry in (geometry for link in context.view.links for geometry in link.geometries):
         for size in geometry.sizes:
             if size.values is not None and min(size.values) <= 0:
@@ -69,8 +68,8 @@ def no_shape(context: Context) -> Faults:
     """A <visual> and a <collision> have a shape, and one only.
 
     urdfdom drops a <visual> or <collision> without <geometry>, or whose <geometry> holds none of box, cylinder, sphere,
-    capsule and mesh, and with it what follows in that link. Of two shapes in one <geometry> every reader takes one, and
-    not the same one."""
+    capsule and mesh, and with it what follows in that link. Of two shapes in one <geometry> readers take one or the
+    other."""
     for link in context.view.links:
         for geometry in link.geometries:
             inside = geometry.element.find("geometry")
@@ -267,8 +266,8 @@ _WOOD = '\n  <material name="wood"><texture filename="package://part/wood.png"/>
 def texture_missing(context: Context) -> Faults:
     """Every texture is there.
 
-    Viewers draw the shape white, or say so at each frame, where the picture is missing. Names of textures are looked up
-    as those of meshes are."""
+    Viewers draw the shape white, or say so at each frame, where it is missing. Names are looked up as those of
+    meshes."""
     meshes = MeshSearch(context)
     seen = set()
     for element, _, subject in context.once(own_elements):

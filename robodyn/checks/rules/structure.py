@@ -297,8 +297,8 @@ _MOST_BESIDE = 16
 
 
 def _passed_over(context: Context) -> Faults:
-    """Links whose parent names say to be a sibling of theirs that carries nothing; two ends in a row of numbers are
-    fingers, rotors or wheels."""
+    """Links whose parent names say to be a sibling that carries nothing; two ends in a row of numbers are fingers or
+    wheels."""
     for group in context.tree.groups:
         if group.joint is None or group.parent is None or len(group.parent.children) > _MOST_BESIDE:
             continue

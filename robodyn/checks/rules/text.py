@@ -93,8 +93,8 @@ def own_elements(context: Context) -> Sequence[tuple[Element, Kind, Subject | No
 def malformed_xml(context: Context) -> Faults:
     """The file must be well-formed XML with the root element <robot>.
 
-    Readers that recover from broken XML guess at what was meant, and drop links without a word. Nothing after the first
-    such place is checked."""
+    Readers that recover from broken XML guess what was meant, and drop links without a word. What follows is not
+    checked."""
     return text_faults(context, "RD001")
 
 
@@ -159,8 +159,8 @@ def unknown_element(context: Context) -> Faults:
     urdfdom and most other readers ignore what they do not know: a misspelt <inertal> makes a link without mass. What is
     like a name that is missing, what URDF has elsewhere (an <origin> in a <link>, an rpy of an <axis>), and an element
     none of whose attributes is read are warnings. Other names are most often the additions of one tool, and remarks.
-    Elements with a namespace prefix, and those at the top that belong to other tools (gazebo, ros2_control, ...), are
-    left alone."""
+    Elements with a namespace prefix, and those of other tools at the top (gazebo, ros2_control, ...), are left
+    alone."""
     for element, kind, subject in context.once(own_elements):
         seen: dict[str, Element] = {}
         for child in element.children:
@@ -300,8 +300,7 @@ _KNOWN = re.compile(r"1\.[0-2]")
 def version(context: Context) -> Faults:
     """The version of a description is one that readers know.
 
-    urdfdom reads version="1.0" to "1.2", and refuses the file with any other: also "1" and "2.0". Without one it is
-    1.0."""
+    urdfdom reads version="1.0" to "1.2", and refuses any other: also "1" and "2.0". Without one it is 1.0."""
     root = context.view.root
     version = root.get("version")
     if version is not None and not _KNOWN.fullmatch(version):
