@@ -276,8 +276,8 @@ def check_one(source: Source, options: Options = STANDARD, name: str | None = No
 
 
 def _read(source: Source, options: Options, name: str | None) -> tuple[Document, Expansion | None]:
-    """Return a description as it is read, of xacro its expansion, of other formats their URDF. NoRobotError
-    where that has no link and no joint, or hangs on links that another xacro file of the folder or package has."""
+    """Return a description as it is read, of xacro its expansion, of other formats their URDF. NoRobotError where that
+    has no link and no joint, or hangs on links that another xacro file of the folder or package has."""
     if isinstance(source, bytes) or not is_xacro(source):
         reading = read(source, name)
         if reading.robot is None and root_tag(reading.data) in OTHER_FORMATS:

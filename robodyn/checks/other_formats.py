@@ -19,8 +19,7 @@ RULES = (
 )
 """Codes of the rules that ask about the robot: not about the text of a URDF, nor about links without mass, which stand
 between several joints of a body."""
-_OWN = ".msh"
-"""Meshes of MuJoCo's own, which nothing else reads."""
+_OWN = ".msh"  # meshes of MuJoCo's own, which nothing else reads
 
 
 def as_urdf(description: Description) -> tuple[Document, Expansion]:

@@ -58,8 +58,7 @@ class Overview:
         com: [m], or None without mass.
         at: the coordinates at which it is taken, each zero or the limit nearest to zero [rad or m].
         notes: why there is no centre of mass, and which joints are beyond their limits all the same; of formats other
-            than URDF those of the model, too: what they say beyond.
-    """
+            than URDF those of the model, too: what they say beyond."""
 
     name: str
     file: str
@@ -102,8 +101,7 @@ def overview(
         DescriptionError: the file cannot be read, or is no robot; with the line.
 
     Accuracy: the mass is correctly rounded; the centre of mass within 1e-14 of the robot's size for twenty joints in a
-        row.
-    """
+        row."""
     path = source if isinstance(source, bytes) else os.fspath(source)
     folders = tuple(os.fspath(folder) for folder in package_paths)
     options = tasks_for([path], Options(package_path=folders))[0].options
