@@ -61,7 +61,7 @@ BAD: dict[str, tuple[str | bytes, int, tuple[str, ...]]] = {
     "external entity": ("\n" + EXTERNAL + "<robot>&a;</robot>", 2, ("document type",)),
     "undeclared prefix": ("<robot name='r'>\n<sim:x/></robot>", 2, ("'sim:x'", "not declared", "xmlns:sim")),
     # not URDF
-    "SDF": ("<!-- -->\n<sdf version='1.6'/>", 2, ("is <sdf>", "SDF")),
+    "SDF": ("<!-- -->\n<sdf version='1.6'/>", 2, ("<sdf> has 0 models", "not one")),
     "xacro element": (robot("<xacro:arm side='left'/>"), 2, ("'xacro:arm'", "FILE.xacro")),
     "xacro expression": (robot("<link name='a'/>", "<link\nname='${side}_b'/>"), 4, ("'${side}_b'", "FILE.xacro")),
     "xacro substitution": (shape("<mesh filename='$(find p)/a.stl'/>"), 4, ("$(find p)", "FILE.xacro")),
