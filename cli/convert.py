@@ -18,7 +18,7 @@ from robodyn.support.files import cannot_be_written, whole_file
 @takes(
     option("--to", "The format.", ("mjcf", "urdf"), required=True),
     option("--out FILE", "The file to write.", Output("a converted description"), required=True),
-    option("--meshes", "Write meshes that MuJoCo does not read as STL, into the folder meshes beside the file."),
+    option("--meshes", "Write meshes that MuJoCo does not read as STL, for FILE.xml into FILE_meshes."),
     SCENE,
 )
 def command(call: Call, urdf: str, to: str, meshes: bool) -> None:
@@ -42,14 +42,13 @@ def command(call: Call, urdf: str, to: str, meshes: bool) -> None:
     description, lost = described(model.description, scene)
     out = call.out
     written = write_mjcf(description, out, convert_meshes=meshes) if to == "mjcf" else write_urdf(description, out)
-    folder = os.path.dirname(out) or os.curdir
-    if written.files:
-        with cannot_be_written(out):
-            os.makedirs(os.path.join(folder, "meshes"), exist_ok=True)
+    files = {os.path.join(os.path.dirname(out), name): data for name, data in written.files.items()}
+    for path in files:
+        refuse_foreign(path, "a converted mesh", "write elsewhere")
     with ExitStack() as stack:
-        for name, data in written.files.items():
-            path = os.path.join(folder, name)
-            refuse_foreign(path, "a converted mesh", "write elsewhere")
+        for path, data in files.items():
+            with cannot_be_written(path):
+                os.makedirs(os.path.dirname(path), exist_ok=True)
             stack.enter_context(whole_file(path)).write(data)
         stack.enter_context(whole_file(out)).write(written.data)
     for each in (*lost, *written.lost):

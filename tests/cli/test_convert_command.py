@@ -72,3 +72,31 @@ def test_meshes_are_written_beside_it():
     assert (done.status, done.err) == (0, "")
     mujoco = pytest.importorskip("mujoco")
     assert mujoco.MjModel.from_xml_path("a.xml").nv == 6
+
+
+def test_meshes_of_others_are_not_replaced(tmp_path):
+    pytest.importorskip("trimesh").creation.box().export(tmp_path / "part.ply")
+    shape = '<visual><geometry><mesh filename="part.ply"/></geometry></visual>'
+    Path("arm.urdf").write_text(f'<robot name="r"><link name="l">{shape}</link></robot>')
+    call = ("convert", "arm.urdf", "--to", "mjcf", "--out", "a.xml", "--meshes")
+    for _ in range(2):
+        assert run(*call).out == "written: a.xml, 1 kB\n"
+    assert Path("a_meshes/part.stl").stat().st_size == 84 + 12 * 50
+    Path("a.xml").unlink()
+    Path("a_meshes/part.stl").write_text("mine")
+    done = run(*call)
+    assert (done.status, done.err.partition(" (")[0]) == (
+        2,
+        "error: a_meshes/part.stl: is there already, and is no converted mesh that robodyn has written",
+    )
+    assert not Path("a.xml").exists()
+
+
+def test_xacro_is_expanded():
+    pytest.importorskip("xacro")
+    text = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:property name="n" value="l"/>'
+    Path("r.xacro").write_text(f'{text}<link name="${{n}}"/></robot>')
+    done = run("convert", "r.xacro", "--to", "urdf", "--out", "r.urdf")
+    assert (done.status, done.err) == (0, "")
+    assert done.out.startswith("URDF cannot say macros and arguments of xacro, whose expansion it is\n")
+    assert '<link name="l"/>' in Path("r.urdf").read_text()

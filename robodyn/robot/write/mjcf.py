@@ -23,7 +23,7 @@ from robodyn.solids.mesh.read.load import load_triangles
 from robodyn.support.floats import Floats
 from robodyn.support.wording import listed, shown
 
-WORLD, MESHES = "world", "meshes"
+WORLD = "world"
 _LEAST = 1e-15
 """The least mass and moment that MuJoCo takes of what moves."""
 _MOST_FACES = 200_000
@@ -39,7 +39,7 @@ def write_mjcf(description: Description, out: str, *, convert_meshes: bool = Fal
     """Return the MJCF of a description for a file of this name.
 
     Args:
-        convert_meshes: write meshes that MuJoCo does not read as STL, into the folder `meshes` beside the file.
+        convert_meshes: write meshes that MuJoCo does not read as STL, for `out.xml` into the folder `out_meshes`.
 
     Raises:
         DescriptionError: a link is impossible, moves without mass, or floats on another.
@@ -51,6 +51,7 @@ def write_mjcf(description: Description, out: str, *, convert_meshes: bool = Fal
 class _Writer:
     def __init__(self, description: Description, out: str, convert: bool) -> None:
         self.description, self.folder, self.convert = description, os.path.dirname(out) or os.curdir, convert
+        self.meshes = os.path.splitext(os.path.basename(out))[0] + "_meshes"
         self.links = {link.name: link for link in description.links}
         self.carried: dict[str, list[Joint]] = {name: [] for name in self.links}
         for joint in description.joints:
@@ -99,13 +100,12 @@ class _Writer:
     def _bodies(self, root: Link) -> list[str]:
         """Return the lines of all bodies, each within that which carries it."""
         lines, waiting, depth = list[str](), list[tuple[int, Joint | None]](), 0
-        if self.grounded:
-            if root.name != WORLD:
-                self._lose("names of links that are the world", root.name)
-        elif root.name == WORLD:
+        if WORLD in self.links and not (self.grounded and root.name == WORLD):
             what = f"link {shown(WORLD)} has mass or moves, and is the ground in MJCF"
-            raise self._refused(root, what, "give it another name")
-        else:
+            raise self._refused(self.links[WORLD], what, "give it another name")
+        if self.grounded and root.name != WORLD:
+            self._lose("names of links that are the world", root.name)
+        if not self.grounded:
             lines, waiting, depth = [tag("body", ">", name=root.name)], [(0, None)], 1
         if self.free:
             self._check_mass(root)
@@ -253,7 +253,8 @@ class _Writer:
             raise InputError(f"has {len(corners)} faces, and MuJoCo reads {_MOST_FACES}", file=path)
         record = np.zeros(len(corners), dtype=[("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("more", "<u2")])
         record["corners"] = corners
-        name = f"{MESHES}/{free_name(stem, {file[len(MESHES) + 1 : -4] for file in self.files})}.stl"
+        stems = {os.path.splitext(os.path.basename(file))[0] for file in self.files}
+        name = f"{self.meshes}/{free_name(stem, stems)}.stl"
         self.files[name] = b"written by robodyn".ljust(80) + len(corners).to_bytes(4, "little") + record.tobytes()
         return name
 

@@ -13,7 +13,7 @@ from robodyn.robot.urdf.description import _REDUCTIONS, _ROTOR_INERTIAS, read_ur
 from robodyn.robot.urdf.document import Element, read_document
 from robodyn.robot.urdf.edits import Edit, edited, with_attributes, with_comment, with_first_child
 from robodyn.robot.urdf.parts import Description, Geometry, Joint, Link, Origin, Transmission
-from robodyn.robot.urdf.sources import Search
+from robodyn.robot.urdf.sources import EXPANDED, Search
 from robodyn.robot.write.common import MARK, Written, check_possible, comments_of, tag, text
 from robodyn.support.wording import listed
 
@@ -34,6 +34,8 @@ def write_urdf(description: Description, out: str) -> Written:
     for key, what in (("gravity", "gravity"), ("spring", "springs"), ("base", "a base that moves")):
         if key in description.scene:
             lost.append(f"{what} {listed(list(description.scene['spring']))}" if key == "spring" else what)
+    if description.file.endswith(EXPANDED):
+        lost.append("macros and arguments of xacro, whose expansion it is")
     if description.format != "urdf":
         return Written(new_urdf(description, out, [line for _, line in lines]).encode(), lost, {})
     return Written(_edited(description, out, lines), lost, {})

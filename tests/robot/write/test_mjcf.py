@@ -242,6 +242,8 @@ def test_the_ground_of_mjcf_has_no_mass_and_free_joints_no_other_parent():
         write_mjcf(load_description(heavy.encode()), "robot.xml")
     with pytest.raises(DescriptionError, match="link 'world' has mass or moves, and is the ground in MJCF"):
         write_mjcf(load_description(heavy.replace("base", "world").encode()), "robot.xml")
+    with pytest.raises(DescriptionError, match="link 'world' has mass or moves, and is the ground in MJCF"):
+        write_mjcf(load_description(text.replace("bob", "world").encode()), "robot.xml")
     written = write_mjcf(load_description(text.encode()), "robot.xml")
     assert "names of links that are the world: 'base'" in written.lost
 
@@ -317,7 +319,8 @@ def test_meshes_are_named_from_the_output_and_converted_on_demand(tmp_path):
     assert (m.nmesh, m.ngeom) == (2, 2)
     assert b'file="../meshes/part.stl"' in written.data
     converted = write_mjcf(description, out, convert_meshes=True)
-    (tmp_path / "out" / "meshes").mkdir()
+    assert list(converted.files) == ["arm_meshes/part.stl"]
+    (tmp_path / "out" / "arm_meshes").mkdir()
     for name, data in converted.files.items():
         (tmp_path / "out" / name).write_bytes(data)
     (tmp_path / "out" / "arm.xml").write_bytes(converted.data)
