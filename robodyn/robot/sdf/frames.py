@@ -282,14 +282,14 @@ class Frames:
             tried = [path / package[1] for path in (base / package[0], *self.search.packages(package[0]))]
         allowed = [os.path.realpath(folder) for folder in (str(base), *self.search.package_paths)]
         outside = False
-        for path in tried:
-            for file in [path, path / _configured(path)] if os.path.isdir(path) else [path]:
-                real = os.path.realpath(file)
-                if os.path.exists(file) and not any(os.path.commonpath([real, each]) == each for each in allowed):
-                    outside = True
-                    break
-                if os.path.isfile(file):
-                    return file
+        for path in filter(os.path.exists, tried):
+            file, safe = path, any(map(Path(os.path.realpath(path)).is_relative_to, allowed))
+            if safe and os.path.isdir(path):
+                file = path / _configured(path)
+                safe = any(map(Path(os.path.realpath(file)).is_relative_to, allowed))
+            if safe and os.path.isfile(file):
+                return file
+            outside |= not safe
         if outside:
             what = f"the included {shown(uri)} is outside the folder of the description and the package paths"
             raise within.error(what, "--package-path DIR lets it be read", element)

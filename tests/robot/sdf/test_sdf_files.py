@@ -88,6 +88,7 @@ def test_worlds(tmp_path):
 
 def test_what_lies_outside_is_not_included(tmp_path):
     written(tmp_path / "secret/hand.sdf", sdf(model(LINK, "hand")))
+    written(tmp_path / "secret/model.config", "<broken, and not read")
     (tmp_path / "in").mkdir()
     os.symlink(tmp_path / "secret/hand.sdf", tmp_path / "in/link.sdf")
     os.symlink(tmp_path / "secret", tmp_path / "in/folder")
@@ -98,6 +99,7 @@ def test_what_lies_outside_is_not_included(tmp_path):
         f"{tmp_path}/secret/hand.sdf",
         "link.sdf",
         "folder/hand.sdf",
+        "folder",
         "config",
         "model://folder/hand.sdf",
     ):
