@@ -27,6 +27,8 @@ _DESCRIPTION = [
     ("fbd", "X"),
     ("linearize", "X"),
     ("export", "X", "--to", "c"),
+    ("convert", "X", "--to", "mjcf", "--out", os.devnull),
+    ("convert", "X", "--to", "urdf", "--out", os.devnull),
 ]
 _TABLE = [
     ("torques", "arm.urdf", "X"),
