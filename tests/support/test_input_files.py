@@ -48,7 +48,7 @@ MAY = {
     "cli/screen.py": {"open": "the null device", "os.open": "the same"},
 }  # fmt: skip
 """Who calls one, and on what."""
-_SEPARATE = ("robodyn/robot/urdf/xacro", "robodyn/checks/imported")
+_SEPARATE = ("robodyn/robot/urdf/xacro", "robodyn/checks/imported", "robodyn/robot/mjcf/compiler")
 """What runs as a process of its own, with bounds of its own."""
 
 

@@ -21,6 +21,7 @@ from robodyn.robot.write.common import MARK, Written, check_possible, comments_o
 from robodyn.solids.inertia.laws import symmetric
 from robodyn.solids.mesh.read.load import load_triangles
 from robodyn.support.floats import Floats
+from robodyn.support.input_file import open_input
 from robodyn.support.wording import listed, shown
 
 WORLD = "world"
@@ -312,7 +313,7 @@ def _readable(path: str) -> bool:
     suffix = os.path.splitext(path)[1].lower()
     if suffix != ".stl":
         return suffix == ".obj"
-    with open(path, "rb") as stream:
+    with open_input(path) as stream:
         head = stream.read(84)
     faces = int.from_bytes(head[80:84], "little")
     return len(head) == 84 and 0 < faces <= _MOST_FACES and os.path.getsize(path) == 84 + 50 * faces
