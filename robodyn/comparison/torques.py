@@ -209,7 +209,8 @@ class _Map:
 
 def _grounded(model: Model, scene: Scene) -> tuple[Model, Scene]:
     """Return the model with its base on the ground, and the scene without what a base or loops need."""
-    plain = replace(scene, loops=(), contacts=(), moving_base=False, held=False, wrenches=())
+    plain = replace(scene, loops=(), contacts=(), moving_base=False, held=False, wrenches=(), drive={})
+    plain = replace(plain, initial_q={}, initial_qd={}, actuated=None, passive=(), weights={})
     if not model.floating:
         return model, plain
     bodies = []
