@@ -65,7 +65,7 @@ def compared(name: str, one: Path, other: Path) -> tuple[str, ...]:
     try:
         found = robodyn.compare(robodyn.load(one), robodyn.load(other))
     except robodyn.RobodynError as error:
-        return name, "-", "-", "-", str(error).rpartition(": ")[2][:120]
+        return name, "-", "-", "-", getattr(error, "what", str(error))
     worst = found.worst
     kinds = ", ".join(dict.fromkeys(each.kind for each in found.differences)) or "none"
     if worst is None or not worst.exceeds(None):

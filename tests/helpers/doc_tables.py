@@ -34,6 +34,7 @@ TIMED = {
     "meshes": "bench_startup --meshes 5000000",
     "check": "bench_check",
     "audit": "audit_robots",
+    "formats": "audit_formats",
     "slips": "bench_slips",
     "simcheck": "bench_simcheck",
     "iftomm": "bench_iftomm",
