@@ -78,11 +78,16 @@ def errors_of(package: str, folder: Path, checked: Checked, scratch: Path) -> It
             }
 
 
+def robots_of(finding: Finding) -> set[str]:
+    """Return the descriptions that have it, since findings that are equal in several are one."""
+    return {robot for place in finding.places for robot in place.robots or (place.checked,)}
+
+
 def by_package(audited: dict[str, Checked]) -> str:
     head = ("package", "descriptions", "errors", "warnings", "median of both", "without any", "not readable")
     rows = []
     for package, checked in audited.items():
-        each = Counter(one.checked for one in checked.findings)
+        each = Counter(robot for one in checked.findings for robot in robots_of(one))
         counts = [each[file] for file in checked.files] or [0]
         kinds = (checked.count(kind) for kind in (Severity.ERROR, Severity.WARNING))
         more = (f"{median(counts):g}", str(counts.count(0)), str(len(checked.unread)))
@@ -96,7 +101,7 @@ def by_rule(findings: Iterable[Finding]) -> str:
         Counter(one.code for one in found if one.severity is Severity.ERROR),
         Counter(one.code for one in found if one.severity is not Severity.ERROR),
         Counter(one.code for each in found for one in each.places),
-        Counter(code for code, _ in {(one.code, robot) for one in found for robot in one.robots or (one.checked,)}),
+        Counter(code for code, _ in {(one.code, robot) for one in found for robot in robots_of(one)}),
     )
     order = sorted(columns[2], key=lambda code: (-columns[0][code], -columns[1][code], code))
     rows = [(f"{code} {BY_CODE[code].name}", *(str(column[code] or "-") for column in columns)) for code in order]

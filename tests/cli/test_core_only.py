@@ -35,6 +35,8 @@ WORKS = (
     "identify pendulum.urdf {out}/log.csv --out {out}/calibrated.urdf",
     "scene init scara.urdf --out {out}/scene.toml",
     "info scara.urdf",
+    "diff puma560.urdf puma.urdf",
+    "convert scara.urdf --to mjcf --out {out}/scara.xml",
     "accuracy meshes/hub.stl",
     "accuracy two_link_planar.urdf two_link_planar_swing_down.toml --duration 0.01",
     "rule",

@@ -10,7 +10,7 @@ from random import Random
 
 import numpy as np
 import pytest
-from helpers.example_robots import PATHS
+from helpers.example_robots import path_of
 from helpers.sampled import sampled
 
 import robodyn
@@ -135,6 +135,8 @@ def axis_sign(joint: ET.Element, _: ET.Element) -> bool:
 
 
 def zero(joint: ET.Element, _: ET.Element) -> bool:
+    if joint.get("type") == "prismatic":
+        return False
     axis = numbers(joint.find("axis"), "xyz", "1 0 0")
     R = turned(joint) @ np.asarray(rotation_about(axis / np.linalg.norm(axis), 0.3), dtype=float)
     origin(joint).set("rpy", rpy(R))
@@ -192,7 +194,7 @@ JOINTS: dict[str, tuple[Edit, str, str]] = {
     "damping": (damping, "damping", ""),
 }
 KINDS = {**LINKS, **JOINTS}
-ROBOTS = [path for path in PATHS if path.stem not in ("alex_psyonic_hands",)]
+ROBOTS = [path_of(stem) for stem in ("ur5_robot", "panda", "anymal", "talos_reduced", "g1_29dof_rev_1_0", "kinova")]
 
 
 def moving(root: ET.Element) -> list[ET.Element]:
@@ -228,7 +230,7 @@ def planted(path: Path, kind: str) -> Iterator[tuple[bytes, str]]:
 CASES = [pytest.param(path, kind, id=f"{path.stem}-{kind}") for kind in KINDS for path in ROBOTS]
 
 
-@pytest.mark.parametrize(("path", "kind"), sampled(CASES, 24))
+@pytest.mark.parametrize(("path", "kind"), sampled(CASES, 7))
 def test_planted(path: Path, kind: str) -> None:
     for text, name in planted(path, kind):
         found = compare(robodyn.load(path), robodyn.load(text))
@@ -242,7 +244,7 @@ def test_planted(path: Path, kind: str) -> None:
         assert not found.equal
 
 
-@pytest.mark.parametrize("path", sampled([pytest.param(path, id=path.stem) for path in ROBOTS], 6))
+@pytest.mark.parametrize("path", sampled([pytest.param(path, id=path.stem) for path in ROBOTS], 3))
 def test_equal_to_itself(path: Path) -> None:
     found = compare(robodyn.load(path), robodyn.load(path.read_bytes()))
     assert found.equal

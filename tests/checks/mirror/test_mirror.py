@@ -127,7 +127,7 @@ def test_copied_arms_of_talos_are_found() -> None:
     found = check_one(str(path_of("talos_reduced")), Options(select=("RD313", "RD403")))
     of = {code: {one.subject.name for one in found if one.code == code and one.subject} for code in ("RD313", "RD403")}
     assert {"arm_right_3_link", "arm_right_4_link"} <= of["RD313"]
-    assert {"arm_right_5_link", "arm_right_6_link"} == of["RD403"]
+    assert {f"arm_{side}_{k}_link" for side in ("left", "right") for k in (5, 6)} == of["RD403"]
 
 
 MESH = '<visual>{}<geometry><mesh filename="package://arms/{}.stl"{}/></geometry></visual>'
