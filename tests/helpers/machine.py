@@ -8,7 +8,14 @@ import platform
 
 import numpy as np
 
-WIDEST = (("AVX512", "AVX-512"), ("AVX2", "AVX2"), ("X86_V3", "AVX2"), ("ASIMD", "NEON"), ("NEON", "NEON"), ("SSE", "SSE"))
+WIDEST = (
+    ("AVX512", "AVX-512"),
+    ("AVX2", "AVX2"),
+    ("X86_V3", "AVX2"),
+    ("ASIMD", "NEON"),
+    ("NEON", "NEON"),
+    ("SSE", "SSE"),
+)
 
 
 def vectors() -> str:
