@@ -17,7 +17,7 @@ FORMS = ("text", "json", "junit", "github")
 @click.argument("a", type=PATH)
 @click.argument("b", type=PATH)
 @takes(
-    option("--tolerance NM", "N m or N that are no difference; default 1e-4 of each joint's largest torque.", POSITIVE),
+    option("--tolerance NM", "N m or N: what changes no torque by more is no difference.", POSITIVE),
     DESCRIPTION,
     REPORT,
     option(

@@ -14,6 +14,7 @@ from math import atan2
 import numpy as np
 
 from robodyn.programs.vectors import length, rotation_about
+from robodyn.robot.kinematics import Pose
 from robodyn.robot.model import Joint, Model
 from robodyn.solids.inertia.laws import Inertia, inertia_of
 from robodyn.support.floats import Floats
@@ -23,24 +24,9 @@ _FITS = 1e-4
 """Relative difference, or angle, that is none when frames are chosen."""
 
 
-@dataclass(frozen=True, eq=False)
-class Pose:
-    """Rotation R (3, 3) and origin p (3,) [m] of one frame in another."""
-
-    R: Floats
-    p: Floats
-
-    def after(self, inner: Pose) -> Pose:
-        """Return the pose of what stands at `inner` in the frame that stands at this."""
-        return Pose(self.R @ inner.R, self.R @ inner.p + self.p)
-
-    @property
-    def inverse(self) -> Pose:
-        return Pose(self.R.T, -self.R.T @ self.p)
-
-    def inertia(self, of: Inertia) -> Inertia:
-        """Return the moments of a body in this frame in the axes and about the origin of the outer frame."""
-        return inertia_of(of.m, of.centre_of_mass, of.about_centre, self.R, self.p)
+def moments_in(pose: Pose, of: Inertia) -> Inertia:
+    """Return the moments of a body in a frame at this pose, about the origin and in the axes of the outer frame."""
+    return inertia_of(of.m, of.centre_of_mass, of.about_centre, pose.R, pose.p)
 
 
 HERE = Pose(np.eye(3), np.zeros(3))
@@ -57,7 +43,6 @@ class Pair:
         sign, offset: q_b = sign q_a + offset [rad or m].
         turned: angle between the joint's axes [rad].
         moved, rotated: how far the body stands from where it does in A, beside what the joint does [m, rad].
-        named: whether the names of joint and link are the same.
         same_parent: whether the bodies that carry them are a pair.
     """
 
@@ -70,7 +55,6 @@ class Pair:
     turned: float = 0.0
     moved: float = 0.0
     rotated: float = 0.0
-    named: bool = True
     same_parent: bool = True
 
 
@@ -80,7 +64,7 @@ def placed(joint: Joint) -> Pose:
 
 def aligned(a: Model, b: Model) -> tuple[Pair, ...]:
     """Return the pairs of bodies, parents first; bodies that only one robot has are in none."""
-    partner, by_name = _matched(a, b)
+    partner = _matched(a, b)
     pairs: dict[int, Pair] = {}
     for i in range(len(a.bodies)):
         if i not in partner:
@@ -88,19 +72,18 @@ def aligned(a: Model, b: Model) -> tuple[Pair, ...]:
         j = partner[i]
         parent = pairs.get(a.bodies[i].parent)
         if i == 0 or j == 0:
-            pairs[i] = Pair(i, j, HERE, named=a.bodies[i].name == b.bodies[j].name)
+            pairs[i] = Pair(i, j, HERE)
             continue
-        named = i in by_name
         if parent is None or parent.b != b.bodies[j].parent:
-            pairs[i] = Pair(i, j, HERE, named=named, same_parent=False)
+            pairs[i] = Pair(i, j, HERE, same_parent=False)
         else:
             content = _content(a, b, i, j, partner)
-            pairs[i] = _joined(a.bodies[i].joint, b.bodies[j].joint, parent, content, i, j, named)
+            pairs[i] = _joined(a.bodies[i].joint, b.bodies[j].joint, parent, content, i, j)
     return tuple(pairs.values())
 
 
-def _matched(a: Model, b: Model) -> tuple[dict[int, int], set[int]]:
-    """Return which body of B each of A is, and those of A that are so by name."""
+def _matched(a: Model, b: Model) -> dict[int, int]:
+    """Return which body of B each of A is."""
     partner, taken = {0: 0}, {0}
     for names in ([[body.joint.name for body in each.bodies] for each in (a, b)], _link_names(a, b)):
         there = {name: j for j, name in enumerate(names[1]) if j not in taken}
@@ -109,7 +92,6 @@ def _matched(a: Model, b: Model) -> tuple[dict[int, int], set[int]]:
             if i not in partner and j is not None and j not in taken:
                 partner[i] = j
                 taken.add(j)
-    named = set(partner)
     for i, body in enumerate(a.bodies):  # parents come first
         if i in partner or body.parent not in partner:
             continue
@@ -119,7 +101,7 @@ def _matched(a: Model, b: Model) -> tuple[dict[int, int], set[int]]:
             j = min(alike, key=lambda j: (_unlike(a, i, b, j), j))
             partner[i] = j
             taken.add(j)
-    return partner, named
+    return partner
 
 
 def _link_names(a: Model, b: Model) -> list[list[str]]:
@@ -151,7 +133,7 @@ class _Content:
 
     def misfit(self, frame: Pose) -> float:
         """Return how many parts do not fit if b stands so in a, and of those that do how badly."""
-        mine, theirs = self.moments[0], frame.inertia(self.moments[1])
+        mine, theirs = self.moments[0], moments_in(frame, self.moments[1])
         size = _size(mine)
         parts = []
         if mine.m > 0.0 and theirs.m > 0.0:
@@ -179,7 +161,7 @@ def _content(a: Model, b: Model, i: int, j: int, partner: dict[int, int]) -> _Co
     return _Content((a.bodies[i].inertia, b.bodies[j].inertia), tuple(origins), tuple(axes))
 
 
-def _joined(mine: Joint, theirs: Joint, parent: Pair, content: _Content, i: int, j: int, named: bool) -> Pair:
+def _joined(mine: Joint, theirs: Joint, parent: Pair, content: _Content, i: int, j: int) -> Pair:
     """Return the pair that two joints carry on bodies that are a pair."""
     here, there = placed(mine), parent.frame.after(placed(theirs))
     u, v = here.R @ mine.axis, there.R @ theirs.axis
@@ -195,7 +177,7 @@ def _joined(mine: Joint, theirs: Joint, parent: Pair, content: _Content, i: int,
             best = cost, frame, beside
     assert best is not None
     _, frame, (offset, moved, rotated) = best
-    return Pair(i, j, frame, there, sign, -sign * offset, turned, moved, rotated, named)
+    return Pair(i, j, frame, there, sign, -sign * offset, turned, moved, rotated)
 
 
 def _shifted(joint: Joint, at_zero: Pose, content: _Content) -> Iterator[Pose]:
@@ -221,7 +203,9 @@ def _shifted(joint: Joint, at_zero: Pose, content: _Content) -> Iterator[Pose]:
 
 def _along(left: Pose, axis: Floats, origin: Floats, kind: str) -> tuple[float, float, float]:
     """Return how far a rigid motion is one of the joint [rad or m], and what is beside it: [m] and [rad]."""
-    vector = _rotation_vector(left.R)
+    from scipy.spatial.transform import Rotation
+
+    vector = Rotation.from_matrix(left.R).as_rotvec()
     if kind == "prismatic":
         shift = float(left.p @ axis)
         return shift, length(left.p - shift * axis), length(vector)
@@ -229,17 +213,3 @@ def _along(left: Pose, axis: Floats, origin: Floats, kind: str) -> tuple[float, 
     if length(vector - angle * axis) > _FITS:  # no turn of the joint: all of it is its place
         angle = 0.0
     return angle, length(left.R @ origin + left.p - origin), length(vector - angle * axis)
-
-
-def _rotation_vector(R: Floats) -> Floats:
-    """Return axis times angle of a rotation, the angle from 0 to pi."""
-    half = np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]]) / 2.0
-    sine, cosine = length(half), (float(np.trace(R)) - 1.0) / 2.0
-    if sine > 1e-7:
-        return half * (atan2(sine, cosine) / sine)
-    if cosine > 0.0:
-        return half
-    axis = np.sqrt(np.maximum(np.diagonal(R) + 1.0, 0.0) / 2.0)  # half a turn: R = 2 axis axis^T - 1
-    k = int(np.argmax(axis))
-    signs = np.sign(R[k] + (np.arange(3) == k))
-    return np.pi * axis * np.where(signs == 0.0, 1.0, signs)

@@ -29,7 +29,7 @@ class Comparison:
         differences: those that act on the torques first, the largest first.
         torques: for each joint that both have, in the order of a; empty where loops or free bodies let no
             torque be compared joint by joint.
-        tolerance: of the torques [N m, N]; None: `RELATIVE` of the largest torque of each joint.
+        tolerance: torque [N m, N] that may differ; None: nothing may.
         notes: what was not compared, and links of another name.
     """
 
@@ -62,7 +62,7 @@ def compare(
 
     Args:
         scene_a, scene_b: what surrounds each; by default what its own file says of it.
-        tolerance: difference of torque [N m or N] that is none; by default `RELATIVE` of a joint's largest.
+        tolerance: what changes no torque by more [N m or N] is no difference; by default all is.
 
     Raises:
         InputError: a scene does not fit its model.

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from robodyn.comparison.alignment import Pair, Pose
+from robodyn.comparison.alignment import Pair, moments_in
 from robodyn.comparison.causes import (
     Parts,
     centre_cause,
@@ -24,6 +24,7 @@ from robodyn.comparison.causes import (
 from robodyn.dynamics.effects.friction import friction_of
 from robodyn.dynamics.effects.motors import rotor_of
 from robodyn.programs.vectors import length, rotation_about, rotation_from_rpy
+from robodyn.robot.kinematics import Pose
 from robodyn.robot.limits import binding
 from robodyn.robot.model import Body, Joint, Model
 from robodyn.scene.scene import Friction, Rotor, Scene, Spring
@@ -204,12 +205,12 @@ def _of_drive(mine: Joint, theirs: Joint, scenes: tuple[Scene, Scene]) -> Iterat
 
 def _of_body(a: Model, b: Model, pair: Pair) -> Iterator[Difference]:
     """Mass, centre and tensor of the links of a body; of the body as a whole where its links are others in B."""
-    mine, theirs = a.bodies[pair.a].inertia, pair.frame.inertia(b.bodies[pair.b].inertia)
+    mine, theirs = a.bodies[pair.a].inertia, moments_in(pair.frame, b.bodies[pair.b].inertia)
     if _alike(mine, theirs):
         return
     parts = parts_of(a, pair.a)
     others: Parts = {
-        name: (pair.frame.inertia(part), inertial) for name, (part, inertial) in parts_of(b, pair.b).items()
+        name: (moments_in(pair.frame, part), inertial) for name, (part, inertial) in parts_of(b, pair.b).items()
     }
     whole = _inertia(pair, theirs)
     for one, other, its, where in ((mine, theirs, parts, "B"), (theirs, mine, others, "A")):
@@ -226,7 +227,7 @@ def _of_body(a: Model, b: Model, pair: Pair) -> Iterator[Difference]:
         link, there = (Pose(*(np.asarray(x, dtype=float) for x in each.links[name][1:])) for each in (a, b))
         seen = link.inverse.after(pair.frame).R @ there.R
         axes = [np.asarray(rotation_from_rpy(*each[name][1].origin.rpy), dtype=float) for each in (parts, others)]
-        inertials = (link.inverse.inertia(parts[name][0]), link.inverse.inertia(others[name][0]))
+        inertials = (moments_in(link.inverse, parts[name][0]), moments_in(link.inverse, others[name][0]))
         rest = [part for each, (part, _) in parts.items() if each != name]
         exchange = _inertia(pair, combined([*rest, others[name][0]]))
         yield from _of_inertial(name, inertials, (axes[0], seen @ axes[1]), exchange)

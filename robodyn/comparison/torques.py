@@ -16,7 +16,7 @@ from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
 
 RELATIVE = 1e-4
-"""Of a joint's largest torque: a difference that is none, where no tolerance is given."""
+"""Of a joint's largest torque: less is rounding of texts, where no tolerance is given."""
 PARTS = ("gravity", "inertia", "velocity")
 """What a torque is split into: of the pose at rest, of accelerations, and of speeds (Coriolis and friction)."""
 _SAMPLES, _ROUNDS, _AROUND = 2048, 4, 32

@@ -95,10 +95,18 @@ def motions(model: Model, q: Sequence[Scalar], qd: Sequence[Scalar], qdd: Sequen
 
 
 class Pose(NamedTuple):
-    """Where a body stands: rotation R of its axes and position p of its origin, in the ground's axes."""
+    """Where a frame stands in an outer one, as a body on the ground: rotation R of its axes, origin p [m]."""
 
     R: Array
     p: Array
+
+    def after(self, inner: Pose) -> Pose:
+        """Return the pose, in the outer frame, of what stands at `inner` in this one."""
+        return Pose(self.R @ inner.R, self.R @ inner.p + self.p)
+
+    @property
+    def inverse(self) -> Pose:
+        return Pose(self.R.T, -self.R.T @ self.p)
 
 
 def poses(parents: Sequence[int], motions: Sequence[Motion]) -> list[Pose]:
