@@ -83,7 +83,7 @@ def command(call: Call, urdf: str, qdd: Any, traj: str | None, time: float | Non
     found = replace(found, warnings=(*warnings, *found.warnings))
     written = ""
     if svg is not None:
-        from robodyn.report.pictures.free_body import drawings
+        from robodyn.report.free_body import drawings
 
         files, remedy = list(drawings(found, words)), "name another folder"
         try:

@@ -290,7 +290,7 @@ def report_form(path: str) -> str:
 def _report(path: str) -> str:
     """Return the name of the file, if a report can go there: said before anything is computed."""
     if report_form(path) == "html":
-        need("HTML reports", "matplotlib", "jinja2", file=path)
+        need("HTML reports", "jinja2", "uplot-python", file=path)
     folder = os.path.dirname(path) or "."
     if not os.path.isdir(folder):
         raise InputError("cannot be written: there is no such folder", remedy="make the folder first", file=path)

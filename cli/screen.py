@@ -164,7 +164,7 @@ def write_report(path: str, document: Document) -> str:
     from robodyn.support.files import write_whole
     from robodyn.support.libraries import version_of
 
-    libraries = ("robodyn", "numpy", "scipy", "llvmlite", "matplotlib", "yourdfpy", "trimesh")
+    libraries = ("robodyn", "numpy", "scipy", "llvmlite", "yourdfpy", "trimesh")
     used = [f"{name} {version_of(name)}" for name in libraries if name in sys.modules]
     machine = f"Python {platform.python_version()}", f"{platform.system()} on {platform.machine()}"
     whole = replace(document, command=shlex.join(["robodyn", *sys.argv[1:]]), versions=(*used, *machine))

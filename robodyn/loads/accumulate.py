@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from functools import lru_cache
 from math import hypot, sqrt
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +28,7 @@ from robodyn.trajectory.read import sources_of
 
 if TYPE_CHECKING:
     from robodyn.loads.constraints import ConstraintPass
-    from robodyn.loads.history import Recorder
+    from robodyn.loads.history import Courses, History
     from robodyn.loads.sizing import SizingPass
     from robodyn.loads.uncertainty import UncertaintyPass
 
@@ -167,12 +167,19 @@ class TorqueAccumulator:
         self.whole = 0
         self.bars = ErrorBars(model, scene, self.rates, constraints)
         self.checks = SelfChecks(model, scene, borne=constraints is not None)
-        self.history: Recorder | None = None
+        self.courses: tuple[Courses, Courses] | None = None
         if options.history:
-            from robodyn.loads.history import Recorder
+            from robodyn.loads.history import Courses
 
-            feet = tuple(each.name for each in constraints.scene.contacts) if constraints else ()
-            self.history = Recorder(model.rates[self.rates], COMPONENTS, feet)
+            feet = [f"on_{each.name}" for each in constraints.scene.contacts] if constraints else []
+            states = [f"q_{name}" for name in model.coordinates]
+            states += [f"{what}_{name}" for what in ("qd", "qdd") for name in model.rates]
+            driven = model.rates[self.rates]
+            curves = [f"{what}_{name}" for what in ("tau", "qd", "power") for name in driven] + self.names[model.n :][
+                :6
+            ]
+            motion = Courses(("time", *states, *self.names, *scene.columns, *feet), curves)
+            self.courses = motion, Courses(("time",), ("work done", "energy stored"))
         self.momenta = Extremes(NAMES)
         if options.momentum is not None:
             options.momentum.check(model, scene)
@@ -197,7 +204,8 @@ class TorqueAccumulator:
         self.sources = whole if self.zero_columns is None else self.sources & whole
         self.zero_columns = found if self.zero_columns is None else self.zero_columns & found
         self.whole = max(self.whole, self.statistics.integrals.samples + left)
-        reactions, n = self.options.reactions or self.sizing is not None, self.model.n
+        n, all_joints = self.model.n, self.sizing is not None or self.courses is not None
+        reactions = self.options.reactions or all_joints
         runner = _loads(plan(self.model, self.scene, self.zero_columns), reactions)
         loads, self.choice = self._run(runner, sources, self.whole)
         check_loads(loads, self.names, block.first_row, self.file)
@@ -206,10 +214,8 @@ class TorqueAccumulator:
         tau, base = loads[:, :n], loads[:, n : n + 6]
         rows, energies = self.checks.take(block, sources, self.sources, tau, base, self._run, self.whole)
         self._gather(block, sources, loads, tau.T[self.rates], base.T)
-        if self.history is not None:
-            motion, expected = (block.qd[:, self.rates].T, block.qdd[:, self.rates].T), left / len(block)
-            touch = self.constraints.touch if self.constraints else None
-            self.history.update(block.time, *motion, tau.T[self.rates], base.T, energies, rows, expected, touch)
+        if self.courses is not None:
+            self._record(self.courses, block, sources["columns"], loads, energies, rows)
 
         def over_block(runner: Runner) -> Floats:
             return self._run(runner, sources, self.whole).values
@@ -231,6 +237,33 @@ class TorqueAccumulator:
     def momentum(self) -> MomentumReport | None:
         view = self.options.momentum
         return None if view is None else MomentumReport(view.about, view.frame, tuple(self.momenta.ranges()))
+
+    def _record(
+        self,
+        courses: tuple[Courses, Courses],
+        block: Trajectory,
+        extra: Floats,
+        loads: Floats,
+        energies: Floats,
+        rows: Any,
+    ) -> None:
+        motion, energy = courses
+        touch = self.constraints.touch if self.constraints else None
+        states = block.time, *block.q.T, *block.qd.T, *block.qdd.T
+        tau, speed = loads[:, : self.model.n].T[self.rates], block.qd.T[self.rates]
+        base = loads[:, self.model.n : self.model.n + 6].T
+        motion.update(
+            (*states, *loads.T, *extra.T, *(touch[1] if touch else ())), (*tau, *speed, *(tau * speed), *base)
+        )
+        energy.update((block.time[rows],), energies)
+
+    def history(self) -> History | None:
+        if self.courses is None:
+            return None
+        from robodyn.loads.history import History
+
+        at_peak = self.statistics.at_peak
+        return History(*self.courses, tuple(at_peak[k] for k in range(len(at_peak))))
 
     def _run(self, runner: Runner, sources: Mapping[str, Floats], expected: int) -> Run:
         executor, threads = self.options.executor, self.options.threads

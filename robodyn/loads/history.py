@@ -1,4 +1,5 @@
-"""What plots need of a motion, in bounded memory: in every span of time the samples where a quantity is extreme."""
+"""What a page shows of a motion, in bounded memory: of every bucket of rows the first, and the least and the greatest
+value of each curve; all rows of motions that are short enough."""
 
 from __future__ import annotations
 
@@ -6,126 +7,83 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.support.floats import Floats
 
-SPANS = 400  # spans of time that a motion is divided into, about one for each pixel of a plot
-_ROOM = 1.3  # so many times SPANS may be in use: the duration is an estimate until the motion has ended
+VALUES = 700_000
+"""So many numbers of a motion are kept at most; buckets are twice as long where there would be more."""
+LEAST, MOST = 600, 12_000
+"""Buckets there may be at least, and at most."""
 
 
-@dataclass(frozen=True, eq=False)
-class Curves:
-    """Samples of several columns, each with the same quantities. quantities: those that decide which samples are kept,
-    then those that are kept with them. kept: (spans, 1 + quantities, columns, 2 * deciding): time [s] and quantities,
-    of the samples where each of the deciding ones is least, then of those where each is greatest."""
+class Courses:
+    """Gathers columns block by block, in buckets of `per` rows.
 
-    names: tuple[str, ...]
-    quantities: tuple[str, ...]
-    kept: Floats
+    Attributes:
+        names: of the columns of `first` (B, columns): the first row of every bucket.
+        curves: of the columns of `low` and `high` (B, curves): least and greatest values in the bucket.
+        peaks: by curve the row of all columns where its magnitude is greatest, and its number from 0.
+    """
 
-    def line(self, quantity: str, column: int) -> tuple[Floats, Floats]:
-        """Time and value of a quantity, its least and greatest sample of every span, in the order of time."""
-        k = self.quantities.index(quantity)
-        half = self.kept.shape[3] // 2
-        time, values = self.kept[:, [[0], [k + 1]], column, [[k, k + half]]].transpose(1, 0, 2)
-        order = np.argsort(time, axis=1, kind="stable")
-        time, values = (np.take_along_axis(each, order, axis=1).ravel() for each in (time, values))
-        news = np.flatnonzero(np.append(True, np.diff(time) > 0.0))
-        return time[news], values[news]
+    def __init__(self, names: Sequence[str], curves: Sequence[str]) -> None:
+        self.names, self.curves = tuple(names), tuple(curves)
+        self.per, self.rows = 1, 0
+        width = len(self.names) + 2 * len(self.curves)
+        self._most = max(LEAST, min(MOST, VALUES // max(width, 1)))
+        self.first = np.empty((0, len(self.names)))
+        self.low, self.high = (np.empty((0, len(self.curves))) for _ in range(2))
+        self.peaks: dict[str, tuple[int, Floats]] = {}
+        self._largest = np.full(len(self.curves), -1.0)
 
-    def samples(self, column: int) -> dict[str, Floats]:
-        rows = self.kept[:, :, column].transpose(1, 0, 2).reshape(1 + len(self.quantities), -1)
-        rows = np.unique(rows, axis=1)
-        return dict(zip(("time", *self.quantities), rows, strict=True))
+    def update(self, columns: Sequence[Floats], curves: Sequence[Floats]) -> None:
+        """Take in the next rows: each column, and each curve, of N values."""
+        N = len(columns[0])
+        numbers = np.arange(self.rows, self.rows + N)
+        begins = np.flatnonzero(np.append(True, np.diff(numbers // self.per)))
+        first = np.stack([column[begins] for column in columns], axis=1)
+        values = np.stack([*curves], axis=1) if len(curves) else np.empty((N, 0))
+        low, high = (extreme.reduceat(values, begins, axis=0) for extreme in (np.minimum, np.maximum))
+        self._keep_peaks(columns, values)
+        if self.rows % self.per:  # goes on with the last bucket
+            self.low[-1], self.high[-1] = np.minimum(self.low[-1], low[0]), np.maximum(self.high[-1], high[0])
+            first, low, high = first[1:], low[1:], high[1:]
+        self.rows += N
+        self.first = np.concatenate((self.first, first))
+        self.low, self.high = np.concatenate((self.low, low)), np.concatenate((self.high, high))
+        while len(self.first) > self._most:
+            pairs = np.arange(0, len(self.first), 2)
+            self.low, self.high = np.minimum.reduceat(self.low, pairs), np.maximum.reduceat(self.high, pairs)
+            self.first, self.per = self.first[::2], 2 * self.per
+
+    def _keep_peaks(self, columns: Sequence[Floats], values: Floats) -> None:
+        sizes = np.abs(values)
+        at = sizes.argmax(axis=0)
+        for k, row in enumerate(at.tolist()):
+            if sizes[row, k] > self._largest[k]:
+                self._largest[k] = sizes[row, k]
+                self.peaks[self.curves[k]] = self.rows + row, np.array([column[row] for column in columns])
+
+    def frames(self) -> tuple[Floats, Floats]:
+        """Return numbers (F,) from 0 and rows (F, columns) of every bucket's first row and the curves' peaks."""
+        numbers = np.arange(len(self.first)) * self.per
+        extra = [] if self.per == 1 else [*self.peaks.values()]
+        numbers = np.concatenate((numbers, [number for number, _ in extra]))
+        rows = np.concatenate((self.first, *(row[None] for _, row in extra)))
+        numbers, kept = np.unique(numbers, return_index=True)
+        return numbers, rows[kept]
+
+    def of(self, name: str) -> tuple[Floats, Floats]:
+        """Return (B,) each, the least and greatest values of a curve in every bucket."""
+        k = self.curves.index(name)
+        return self.low[:, k], self.high[:, k]
 
 
 @dataclass(frozen=True, eq=False)
 class History:
-    """The course of a motion. joints: of each joint speed, torque, power and acceleration; None without joints. energy:
-    "work done" and "energy stored" since the start [J]. states: for each joint q, qd, qdd and columns at its peak
-    torque. contacts: of each contact the force along its normal [N], and whether it is on; None without contacts."""
+    """The course of a motion. motion: time, q, qd, qdd, loads, columns of the tree's scene, and whether each contact is
+    on; curves are tau, speeds, powers and the base wrench. energy: "work done" and "energy stored" since the start [J].
+    states: for each joint q, qd, qdd and columns at its peak torque."""
 
-    joints: Curves | None
-    base: Curves
-    energy: Curves
+    motion: Courses
+    energy: Courses
     states: tuple[Mapping[str, Floats], ...]
-    contacts: Curves | None = None
-
-
-class MinMaxDecimation:
-    """Gathers `Curves` block by block; spans double in length when there are too many of them."""
-
-    def __init__(self, names: tuple[str, ...], quantities: tuple[str, ...], also: tuple[str, ...] = ()) -> None:
-        """Args: quantities: that decide which samples are kept; also: those that are kept with them."""
-        self.names, self.quantities, self._deciding = names, (*quantities, *also), len(quantities)
-        self._start = self._width = 0.0
-        self._kept: dict[int, Floats] = {}
-
-    def update(self, time: Floats, values: tuple[Floats, ...], expected_duration: float) -> None:
-        """Take in time (N,) and values (columns, N) of each quantity of a motion that goes on for about so long [s]."""
-        if not self._kept:
-            self._start, self._width = float(time[0]), expected_duration / SPANS or 1.0
-        while (time[-1] - self._start) / self._width >= _ROOM * SPANS:
-            before, self._kept, self._width = self._kept, {}, 2.0 * self._width
-            for span, extreme in before.items():
-                self._add(span // 2, extreme)
-        spans = ((time - self._start) / self._width).astype(np.int64)
-        begins = np.flatnonzero(np.append(True, np.diff(spans)))
-        for first, last in zip(begins, [*begins[1:], len(time)], strict=True):
-            part = (time[None, first:last], *(each[:, first:last] for each in values))
-            self._add(int(spans[first]), _extreme(part, self._deciding))
-
-    def curves(self) -> Curves:
-        return Curves(self.names, self.quantities, np.stack([self._kept[span] for span in sorted(self._kept)]))
-
-    def _add(self, span: int, extreme: Floats) -> None:
-        if span in self._kept:
-            both = np.concatenate((self._kept[span], extreme), axis=2)
-            extreme = _extreme(tuple(both), self._deciding)
-        self._kept[span] = extreme
-
-
-def _extreme(samples: Sequence[Floats], deciding: int) -> Floats:
-    """Of samples (columns or 1, N) of each of 1 + quantities those where one of the first quantities is least, then
-    greatest: (1 + quantities, columns, 2 deciding)."""
-    values = samples[1 : 1 + deciding]
-    rows = np.stack([*(each.argmin(axis=1) for each in values), *(each.argmax(axis=1) for each in values)], axis=1)
-    columns = np.arange(len(rows))[:, None]
-    return np.stack([each[columns if len(each) > 1 else 0, rows] for each in samples])
-
-
-class Recorder:
-    def __init__(self, joints: tuple[str, ...], components: tuple[str, ...], contacts: tuple[str, ...] = ()) -> None:
-        self.joints = MinMaxDecimation(joints, ("speed", "torque", "power"), ("acceleration",))
-        self.base = MinMaxDecimation(components, ("load",))
-        self.energy = MinMaxDecimation(("work done", "energy stored"), ("energy",))
-        self.contacts = MinMaxDecimation(contacts, ("normal",), ("on",))
-
-    def update(
-        self,
-        time: Floats,
-        qd: Floats,
-        qdd: Floats,
-        tau: Floats,
-        base: Floats,
-        energy: Floats,
-        rows: NDArray[np.int64],
-        expected_samples: float,
-        touch: tuple[Floats, Floats] | None = None,
-    ) -> None:
-        """Take in a block: qd, qdd, tau (joints, N) and base (components, N); energy: (2, k) work done and energy
-        stored since the start [J], at these `rows`; expected_samples: how many may come, with these, by how many these
-        are; touch: (contacts, N) forces along their normals [N], and where they are on."""
-        expected_duration = float(time[-1] - time[0]) * expected_samples
-        if len(tau):
-            self.joints.update(time, (qd, tau, qd * tau, qdd), expected_duration)
-        self.base.update(time, (base,), expected_duration)
-        self.energy.update(time[rows], (energy,), expected_duration)
-        if touch is not None:
-            self.contacts.update(time, touch, expected_duration)
-
-    def history(self, at_peak: Mapping[int, Mapping[str, Floats]]) -> History:
-        states = tuple(at_peak[k] for k in range(len(at_peak)))
-        joints, contacts = (each.curves() if each.names else None for each in (self.joints, self.contacts))
-        return History(joints, self.base.curves(), self.energy.curves(), states, contacts)

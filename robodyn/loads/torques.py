@@ -180,7 +180,7 @@ def _gathered(run: TorqueAccumulator, last: Trajectory, explain: bool) -> Result
         derivation=last.derivation,
         warnings=(*(caveat.text for caveat in caveats), *about, *run.model.notes, *last.notes),
         momentum=run.momentum(),
-        history=run.history.history(run.statistics.at_peak) if run.history else None,
+        history=run.history(),
         sizing=sizing,
         limits=coverage(run.joints),
         caveats=caveats,

@@ -1,7 +1,7 @@
 """The document of a report, the door of this room: a result is said once, as blocks, and shown in every form.
 
 1. `torques.py`, `check.py` and so on, one for each subject: `*_sections` are its words and tables.
-2. `*_page` puts verdict, pictures (`pictures/`) and data beside them; `*_json` selects the result's fields.
+2. `*_page` puts verdict, charts (`charts.py`), robots (`stage.py`) and data beside them; `*_json` selects the result's fields.
 3. `limits.py` judges: the one verdict on a motion; `table.py` and `sizes.py` write numbers, noise as 0.
 4. `text` here, and `renderers/`, show any document: HTML, Markdown; findings as SARIF, JUnit, GitHub's lines; LaTeX.
 """
@@ -61,19 +61,38 @@ class Table:
 
 
 @dataclass(frozen=True)
-class Figure:
-    """A picture: what it shows, what is to be seen for those who cannot, and an SVG element in the page's colours."""
+class Chart:
+    """A plot: what it shows, what is to be seen for those who cannot, and what the page's script draws (`charts.py`)."""
 
     caption: str
     alt: str
-    svg: str
+    look: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Stage:
+    """Robots in 3-D: what is seen, how it is used, and what the page's viewer draws (`stage.py`)."""
+
+    caption: str
+    alt: str
+    words: str
+    look: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Bars:
+    """Rows of a name, bars (label, from, to, colour of the page) in percent, and words."""
+
+    caption: str
+    rows: Sequence[tuple[str, Sequence[tuple[str, float, float, str]], str]]
+    note: str = ""
 
 
 @dataclass(frozen=True)
 class Gallery:
-    """Figures beside each other, as many as there is room for."""
+    """Charts beside each other, as many as there is room for."""
 
-    figures: tuple[Figure, ...]
+    figures: tuple[Chart, ...]
 
 
 @dataclass(frozen=True)
@@ -98,7 +117,7 @@ class Downloads:
     notes: tuple[str, ...] = ()
 
 
-Block = Heading | Paragraph | Verdict | Facts | Table | Figure | Gallery | Findings | Downloads
+Block = Heading | Paragraph | Verdict | Facts | Table | Bars | Chart | Gallery | Stage | Findings | Downloads
 Section = Sequence[Block]
 """Blocks that belong together: text has an empty line between sections."""
 
@@ -114,8 +133,8 @@ class Document:
     versions: tuple[str, ...] = ()
 
 
-def gallery(figures: Iterable[Figure]) -> list[Block]:
-    """Return figures beside each other; nothing without any."""
+def gallery(figures: Iterable[Chart]) -> list[Block]:
+    """Return charts beside each other; nothing without any."""
     shown = tuple(figures)
     return [Gallery(shown)] if shown else []
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from robodyn.errors import Caveat
 from robodyn.loads.result import JointLoad, Result
-from robodyn.report.document import Level, Paragraph, Section, Table, Verdict, paragraphs, select
+from robodyn.report.document import Bars, Block, Level, Paragraph, Section, Table, Verdict, paragraphs, select
 from robodyn.report.table import first_names, is_noise, number, printable
 from robodyn.robot.limits import Coverage, Excess
 from robodyn.support.floats import ranked, steady
@@ -95,12 +95,28 @@ def offenders(result: Result) -> frozenset[str]:
     return frozenset((*(each.joint for each in result.exceeded), *(joint.name for joint in sized if joint.exceeded)))
 
 
-def offenders_first(result: Result) -> Result:
-    """Return the result with the joints that exceed a limit before the others, each in the order of the robot."""
-    over, sizing = offenders(result), result.sizing
-    if sizing is not None:
-        sizing = replace(sizing, joints=tuple(sorted(sizing.joints, key=lambda joint: joint.name not in over)))
-    return replace(result, joints=tuple(sorted(result.joints, key=lambda joint: joint.name not in over)), sizing=sizing)
+def use_bars(result: Result) -> list[Block]:
+    """Return of every joint with a limit how much of it the motion uses, the worst first: effort, speed, and of motor
+    and gear peak, continuous, speed."""
+    from robodyn.report.sizing import uses
+
+    rows = []
+    for k, load in enumerate(result.joints):
+        shares = uses(load, result.sizing.joints[k] if result.sizing else None)
+        if shares:
+            bars = [(what, 0.0, min(share, 100.0), _colour(share)) for share, what in shares]
+            words = ", ".join(f"{_percent(share)} of {what}" for share, what in shares)
+            rows.append((max(share for share, _ in shares), load.name, bars, words))
+    ordered = [row[1:] for row in ranked(rows, key=lambda row: row[0])]
+    return [Bars("How much of its limits each joint uses", ordered)] if ordered else []
+
+
+def _colour(share: float) -> str:
+    return "bad" if share > 100.0 else "doubtful" if share > 80.0 else "good"
+
+
+def _percent(share: float) -> str:
+    return f"{'<1' if 0.0 < share < 0.5 else f'{share:.0f}'} %"
 
 
 def worst_joint(result: Result) -> int | None:

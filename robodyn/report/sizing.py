@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from robodyn.loads.constraint_result import Constraints
-from robodyn.loads.result import Exceeded, JointLoad, Result, Sizing
+from robodyn.loads.result import Exceeded, JointLoad, JointSizing, Result, Sizing
 from robodyn.loads.uncertainty_result import UncertainLoad
 from robodyn.report.document import Facts, Paragraph, Section, Table, paragraphs
 from robodyn.report.sizes import result_sizes, speed_unit
@@ -76,22 +76,27 @@ def verdicts(loads: Sequence[JointLoad], sizing: Sizing) -> Facts:
     items = []
     for load, joint in sorted(zip(loads, sizing.joints, strict=True), key=lambda pair: _WORST.index(pair[1].level)):
         if not joint.exceeded:
-            uses: list[tuple[float, float | None, str]] = []
-            if (motor := joint.motor) is not None:
-                if (near := motor.nearest) is not None:
-                    uses.append((near.torque, near.limit, f"the peak curve at {near.time:.6g} s"))
-                uses.append((motor.rms, motor.continuous_limit, "the continuous torque"))
-                uses.append((abs(motor.max_speed), motor.speed_limit, "the motor's speed"))
-            uses.append((abs(load.peak), load.effort_limit, "the effort limit"))
-            uses.append((abs(load.max_speed), load.velocity_limit, "the velocity limit"))
-            shares = [(100.0 * x / limit if limit > 0 else 0.0, what) for x, limit, what in uses if limit is not None]
-            used = (f"{'<1' if 0.0 < share < 0.5 else f'{share:.0f}'} % of {what}" for share, what in shares)
-            nearness = ", ".join(used)
+            nearness = ", ".join(
+                f"{'<1' if 0.0 < share < 0.5 else f'{share:.0f}'} % of {what}" for share, what in uses(load, joint)
+            )
             known = "OK" if joint.level == "OK" else "no limits are known"
             items.append((joint.name, f"OK: {nearness}" if nearness else known))
         for k, exceeded in enumerate(joint.exceeded):
             items.append(("" if k else joint.name, f"{exceeded.level.upper()}: {in_words(exceeded)}"))
     return Facts(tuple(items))
+
+
+def uses(load: JointLoad, joint: JointSizing | None) -> list[tuple[float, str]]:
+    """Return how much of each limit a joint uses [%], and of which."""
+    found: list[tuple[float, float | None, str]] = []
+    if joint is not None and (motor := joint.motor) is not None:
+        if (near := motor.nearest) is not None:
+            found.append((near.torque, near.limit, f"the peak curve at {near.time:.6g} s"))
+        found.append((motor.rms, motor.continuous_limit, "the continuous torque"))
+        found.append((abs(motor.max_speed), motor.speed_limit, "the motor's speed"))
+    found.append((abs(load.peak), load.effort_limit, "the effort limit"))
+    found.append((abs(load.max_speed), load.velocity_limit, "the velocity limit"))
+    return [(100.0 * x / limit if limit > 0 else 0.0, what) for x, limit, what in found if limit is not None]
 
 
 def in_words(exceeded: Exceeded) -> str:

@@ -10,7 +10,6 @@ from robodyn.report.document import Block, Paragraph, Section, Table, encode, pa
 from robodyn.report.limits import (
     exceeded_section,
     limits_data,
-    offenders_first,
     torques_verdict,
     unchecked_words,
     use,
@@ -44,7 +43,6 @@ _UNITS = {"com": "m", "p": "kg m/s", "L": "kg m^2/s", "T": "J", "V": "J", "power
 def torques_sections(result: Result, explain: bool = False) -> Iterator[Section]:
     """Yield joints, peaks, base loads, self-checks and so on, but the verdict; to explain also effects, their cost, the
     plan."""
-    result = offenders_first(result)
     size = result_sizes(result)
     what = f"{count(len(result.joints), 'joint')}, {count(result.samples, 'sample')}, {result.duration:.6g} s"
     robot = f"{result.robot}: {what}, {gravity_text(result.gravity)}"

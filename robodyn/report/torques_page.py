@@ -1,43 +1,43 @@
-"""`torques` as a page: the verdict, how near limits are, the heaviest load, plots, then what the text says."""
+"""`torques` as a page: the verdict, how near limits are, the robot moving, plots, then what the text says."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from robodyn.dynamics.constraints.constraint_jacobian import tree_scene
 from robodyn.equations.free_body.bodies import free_bodies
 from robodyn.errors import RobodynError
-from robodyn.loads.constraint_result import ContactLoad
-from robodyn.loads.history import SPANS, Curves, History
-from robodyn.loads.result import ComponentLoad, EnergyBalance, JointLoad, Result, Sizing
+from robodyn.loads.result import JointLoad, Result
 from robodyn.loads.sizing import load_torque, motor_torque, train_of
 from robodyn.loads.statistics import joint_of_rates
 from robodyn.report import document as doc
+from robodyn.report import stage
+from robodyn.report.charts import Band, plane_chart, time_chart
 from robodyn.report.equations import action_table
-from robodyn.report.limits import effort_use, offenders, torques_verdict, worst_joint
-from robodyn.report.pictures import figures as plots
-from robodyn.report.pictures.figures import BAD, GRID, INK, SERIES, SOFT, WIDE
+from robodyn.report.limits import effort_use, offenders, torques_verdict, use_bars, worst_joint
 from robodyn.report.sizes import Sizes, free_body_sizes, result_sizes, speed_unit
-from robodyn.report.table import gravity_text, is_noise, moment, number, printable
+from robodyn.report.table import NEGLIGIBLE, gravity_text, is_noise, moment, number, printable
 from robodyn.report.torques import load_table, torques_json, torques_sections
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats, ranked
-from robodyn.support.wording import count, shortened
+from robodyn.support.wording import count
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure as Canvas
+    from robodyn.loads.history import History
 
 PLOTTED = 12
 """Joints that have plots: those beyond limits, and the most loaded of the others up to so many."""
+_NEAR = 0.5
+"""A limit is drawn where at least this share of it is reached; it would flatten the curve otherwise."""
 
 
 def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = True) -> doc.Document:
-    """Return the verdict, the figures that matter most, plots if there is a history, and all that the text says."""
+    """Return the verdict, use of limits, robot and plots if there is a history, and all that the text says."""
     what = (
         f"Torques along a motion: {count(len(result.joints), 'joint')}, {count(result.samples, 'sample')}, "
         f"{result.duration:.6g} s, {gravity_text(result.gravity)}"
@@ -46,51 +46,83 @@ def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = Tr
     head, rows = load_table(result)
     files = [("result.json", torques_json(result)), ("joints.csv", doc.csv_text(head, rows))]
     if pictures and result.history is not None:
-        blocks += _pictures(result, model, scene, result.history)
-        if curves := result.history.joints:
-            drawn = []
-            for k, name in enumerate(curves.names):
-                samples = zip(*curves.samples(k).values(), strict=True)
-                drawn += [(name, *(f"{value:.7g}" for value in row)) for row in samples]
-            files.append(("curves.csv", doc.csv_text(("joint", "time", *curves.quantities), drawn)))
+        shapes, why = stage.shapes_of_bodies(model)
+        words = (
+            "The robot along the motion; links in the colours of their joints' use of effort: green, red above 100 %"
+        )
+        course = Course(result.history)
+        shown = stage.robot(model, [motion_of(course, result, model, scene)])
+        blocks += [stage.stage(words, [shown], [shapes]), *doc.paragraphs([why] if why else [])]
+    blocks += use_bars(result)
+    if pictures and result.history is not None:
+        blocks += _charts(result, model, scene, result.history, course)
     sections = torques_sections(result, explain=True)
     how = "robodyn torques --format json and --out write it to a file"
     return doc.page(result.robot, what, blocks, sections, "Loads", files, how)
 
 
-def _pictures(result: Result, model: Model, scene: Scene, history: History) -> Iterator[doc.Block]:
-    """Yield all figures, heading by heading, joints beyond limits first; of joints those and the most loaded."""
+class Course:
+    """Curves of a history as charts have them: rows of time, and of each curve values, or the least and greatest."""
+
+    def __init__(self, history: History) -> None:
+        self.motion = history.motion
+        self.time = self.motion.first[:, 0]
+        self.rows = 1.0 + self.motion.per * np.arange(len(self.time))
+        numbers, frames = self.motion.frames()
+        self.frames = dict(zip(self.motion.names, np.ascontiguousarray(frames.T), strict=True))
+        self.frame_rows = 1.0 + numbers
+
+    def curve(self, name: str, scale: float) -> Floats | Band:
+        """Return a curve, zero throughout where there is nothing but rounding noise."""
+        low, high = self.motion.of(name)
+        if max(np.abs(low).max(), np.abs(high).max()) <= NEGLIGIBLE * scale:
+            return np.zeros(len(low))
+        return self.frames[name] if self.motion.per == 1 and name in self.frames else (low, high)
+
+
+def motion_of(course: Course, result: Result, model: Model, scene: Scene) -> dict[str, object]:
+    """Return the motion of a page's robot, with what acts and how far limits are used."""
+    columns = course.frames
+    tree = tree_scene(model, scene) if scene.constrained else scene
+    q = [columns[f"q_{name}"] for name in model.coordinates]
+    limits = {joint.name: joint.effort_limit for joint in result.joints}
+    use = [
+        (columns[f"tau_{body.joint.name}"], limit) if (limit := limits.get(body.joint.name)) else None
+        for body in model.bodies
+    ]
+    arrows = stage.loads(model, tree, columns, scene.contacts)
+    return stage.motion("", columns["time"], q, rows=course.frame_rows, use=use, arrows=arrows)
+
+
+def _charts(result: Result, model: Model, scene: Scene, history: History, course: Course) -> Iterator[doc.Block]:
+    """Yield all charts, heading by heading; of joints those beyond limits and the most loaded."""
     joints, size, over = result.joints, result_sizes(result), offenders(result)
-    in_order = sorted(range(len(joints)), key=lambda k: (joints[k].name not in over, k))
+    moving = [k for k in range(len(joints)) if not _rests(joints[k], size)]
+    loaded = sorted(ranked(moving, key=lambda k: effort_use(joints[k])), key=lambda k: joints[k].name not in over)
+    shown = sorted(loaded[: max(PLOTTED, len(over))])
+    said = []
+    if len(shown) < len(moving):
+        some = f"{len(shown)} of {len(joints)}; the tables have all."
+        said.append(f"The joints beyond a limit, and those that use most of their limits of effort, {some}")
+    if still := [printable(joint.name) for joint in joints if _rests(joint, size)]:
+        said.append(f"Without a plot, because they neither move nor carry anything: {', '.join(still)}.")
+    if shown and course.motion.per > 1:
+        rows = f"{course.motion.per} rows"
+        said.append(f"Drawn from the least and the greatest of every {rows}, so that no peak is lost.")
+    charts = [chart for k in shown for chart in _joint_charts(joints[k], course, size)]
+    motors = dict(_motor_charts(result, model, scene, course))
+    if len(shown) > 1:
+        power = {printable(joints[k].name): course.curve(f"power_{joints[k].name}", size["W"]) for k in shown[:10]}
+        charts.append(time_chart("Power of joints", "Power of joints", course.time, power, "W", rows=course.rows))
+    yield from doc.titled("Along the motion", [*doc.paragraphs(said), *doc.gallery(charts)])
+    yield from doc.titled("Motors", doc.gallery(motors.values()))
+    peaks = [joint for joint in joints if not is_noise(abs(joint.peak), size[joint.unit])]
+    yield from doc.titled("What makes the peaks", _share_bars(peaks))
+    if result.constraints is not None and scene.contacts:
+        yield from doc.titled("Contacts", doc.gallery(_contact_chart(result, scene, course)))
+    yield from doc.titled("Loads of the base", doc.gallery(_base_charts(result, course, size)))
+    yield from doc.titled("Energy", doc.gallery(_energy_chart(result, history, size)))
     yield from _heaviest_load(result, model, scene, history)
-    if history.joints is not None:
-        moving = [k for k in in_order if not _rests(joints[k], size)]
-        loaded = sorted(ranked(moving, key=lambda k: effort_use(joints[k])), key=lambda k: joints[k].name not in over)
-        shown = loaded[: max(PLOTTED, len(over))]
-        words = []
-        if len(shown) < len(moving):
-            some = f"{len(shown)} of {len(joints)}; the tables have all."
-            words.append(f"The joints beyond a limit, and those that use most of their limits of effort, {some}")
-        if still := [printable(joint.name) for joint in joints if _rests(joint, size)]:
-            words.append(f"Without a plot, because they neither move nor carry anything: {', '.join(still)}.")
-        if shown and result.samples > 2 * SPANS:
-            span = f"{result.duration / SPANS:.2g} s"
-            words.append(f"Drawn from the least and the greatest of every {span}, so that no peak is lost.")
-        curves = history.joints
-        figures = doc.gallery(joint_figure(joints[k], curves, k, size) for k in in_order if k in shown)
-        yield from doc.titled("Along the motion", [*doc.paragraphs(words), *figures])
-        if result.sizing is not None:
-            motors = dict(motor_figures(result.sizing, model, scene, history.joints))
-            ranked_motors = (motors[name] for name in sorted(motors, key=lambda name: name not in over))
-            yield from doc.titled("Motors", doc.gallery(ranked_motors))
-    peaks = [joints[k] for k in in_order if not is_noise(abs(joints[k].peak), size[joints[k].unit])]
-    yield from doc.titled("What makes the peaks", doc.gallery(share_figures(peaks)))
-    if result.constraints is not None and history.contacts is not None:
-        contacts = contact_figures(result.constraints.contacts, history.contacts, size)
-        yield from doc.titled("Contacts", doc.gallery(contacts))
-    yield from doc.titled("Loads of the base", doc.gallery(base_figures(result.base_wrench, history, size)))
-    energy = energy_figures(result.checks.energy_balance, history, size)
-    yield from doc.titled("Energy", doc.gallery(energy))
 
 
 def _rests(joint: JointLoad, size: Sizes) -> bool:
@@ -98,212 +130,166 @@ def _rests(joint: JointLoad, size: Sizes) -> bool:
 
 
 def _heaviest_load(result: Result, model: Model, scene: Scene, history: History) -> Iterator[doc.Block]:
-    """Yield the robot at the peak of the joint that is loaded most, and the free body that it carries, if there is."""
-    from robodyn.report.pictures.free_body import NOTES, page_drawing, symbols
-    from robodyn.report.pictures.robot import robot_figure, shapes_of
-
+    """Yield the free body that the joint with the heaviest load carries at its peak, if there is one."""
     worst = worst_joint(result)
     if worst is None:
         return
     joint, state = result.joints[worst], history.states[worst]
-    when = f"the peak of {printable(joint.name)}, {joint.peak_time:.6g} s"
-    assert model.description is not None, "it is not a model of bodies alone"
-    shapes, why = shapes_of(model.description)
-    figures, tables = [robot_figure(model, state["q"], joint.name, when, shapes, "picture")], []
     tree = tree_scene(model, scene) if scene.constrained else scene
     columns = dict(zip(tree.columns, state["columns"], strict=False))
     try:
         found = free_bodies(model, state["q"], state["qd"], state["qdd"], scene=tree, columns=columns)
     except RobodynError:
-        found = None
-    for body in found.bodies if found else ():
-        if found and model.bodies[body.number].joint.name == joint.name:
-            name, size = printable(body.name), free_body_sizes(found)
-            forces = printable(", ".join(action.what for action in body.actions))
-            alt = f"Free-body diagram of {name} with its forces and moments: {forces}"
-            caption = f"What acts on {name}, which {printable(joint.name)} carries"
-            figures.append(doc.Figure(caption, alt, page_drawing(body, size)))
-            head, rows = action_table(body, size)
-            named = [(symbols(action, size), *row) for action, row in zip(body.actions, rows, strict=False)]
-            title = ("symbol", "what", *head[1:])
-            sums = ("sum", "", *rows[-1][1:])
-            tables.append(doc.Table(f"Forces and moments on {name}, {when}", title, [*named, sums], " ".join(NOTES)))
-    yield doc.Heading("At the heaviest load")
-    yield doc.Gallery(tuple(figures))
-    yield from tables
-    yield from doc.paragraphs([why] if why else [])
+        return
+    for body in found.bodies:
+        if model.bodies[body.number].joint.name == joint.name:
+            when = f"the peak of {printable(joint.name)}, {joint.peak_time:.6g} s"
+            title = f"Forces and moments on {printable(body.name)}, {when}, in its axes; they add up to zero"
+            yield doc.Heading("At the heaviest load")
+            yield doc.Table(title, *action_table(body, free_body_sizes(found)))
 
 
-_NEAR = 0.5
-"""A limit is drawn where at least this share of it is reached; it would flatten the curve otherwise."""
-_LIMIT: dict[str, Any] = {"color": BAD, "linewidth": 1.2, "dashes": (5, 3)}
-
-
-def joint_figure(joint: JointLoad, curves: Curves, column: int, size: Sizes) -> doc.Figure:
-    """Return torque, speed and power of a joint against time, and torque against speed; limits are dashed."""
-    load, speed = joint.unit, speed_unit(joint.unit)
+def _joint_charts(joint: JointLoad, course: Course, size: Sizes) -> Iterator[doc.Chart]:
+    """Yield torque and speed of a joint over time, and torque over speed; limits are dashed."""
+    load, speed, name = joint.unit, speed_unit(joint.unit), printable(joint.name)
     what = "force" if load == "N" else "torque"
-    quantities = {
-        "torque": (f"{what} [{load}]", size[load], joint.effort_limit),
-        "speed": (f"speed [{speed}]", size[speed], joint.velocity_limit),
-        "power": ("power [W]", size["W"], None),
-    }
-
-    def draw(canvas: Canvas) -> None:
-        bottoms_and_heights = ((542, 96), (412, 96), (282, 96), (28, 182))  # px
-        *over_time, plane = (plots.panel(canvas, *place) for place in bottoms_and_heights)
-        for k, (axes, (quantity, (title, scale, limit))) in enumerate(zip(over_time, quantities.items(), strict=True)):
-            time, values = plots.quiet_line(curves, quantity, column, scale)
-            axes.plot(time, values, color=SERIES[k], marker="o" if len(time) == 1 else None)
-            axes.axhline(0.0, color=SOFT, linewidth=0.8, zorder=1)
-            axes.set_title(title)
-            axes.tick_params(labelbottom=k == 2)
-            if limit is not None:
-                largest = float(np.abs(values).max())
-                off = "" if largest >= _NEAR * limit else ", off this scale"
-                colour = BAD if largest > limit else SOFT
-                axes.set_title(f"limit {limit:g}{off}", loc="right", fontsize=10, color=colour)
-                for bound, reached in ((-limit, -values.min()), (limit, values.max())):
-                    if reached >= _NEAR * limit:
-                        axes.axhline(bound, **_LIMIT)
-        axes.set_xlabel("time [s]", labelpad=1)
-        samples = curves.samples(column)
-        speeds, torques = samples["speed"], samples["torque"]
-        over = np.zeros(len(speeds), dtype=bool)
-        limits = (joint.velocity_limit, speeds, plane.axvline), (joint.effort_limit, torques, plane.axhline)
-        for limit, values, line in limits:
-            if limit is not None:
-                over |= np.abs(values) > limit
-                for bound in (-limit, limit):
-                    line(bound, **_LIMIT)
-        for where, colour in ((~over, SERIES[0]), (over, BAD)):
-            plots.dots(plane, speeds[where], torques[where], colour)
-        plane.margins(0.08)
-        plots.zero_lines(plane)
-        plane.set_title(f"{what} [{load}] against speed [{speed}]")
-
     peak, fastest = number(joint.peak, size[load]), number(joint.max_speed, size[speed])
-    alt = (
-        f"Joint {printable(joint.name)}: {what}, speed and power against time, and {what} against speed. Peak {what} "
-        f"{peak} {load} at {moment(joint.peak_time, joint.peak, size[load])} s, largest speed {fastest} {speed}"
+    at = moment(joint.peak_time, joint.peak, size[load])
+    for quantity, key, unit, most, limit, said in (
+        (what, "tau", load, joint.peak, joint.effort_limit, f"peak {peak} {load} at {at} s"),
+        ("speed", "qd", speed, joint.max_speed, joint.velocity_limit, f"largest {fastest} {speed}"),
+    ):
+        near = limit is not None and abs(most) >= _NEAR * limit
+        levels = [(limit, "limit"), (-limit, "limit")] if near and limit else []
+        caption = f"{name}: {quantity} [{unit}]" + (
+            f", limit {limit:g}{'' if near else ', off this scale'}" if limit else ""
+        )
+        curves = {quantity: course.curve(f"{key}_{joint.name}", size[unit])}
+        colours = ("c1" if key == "tau" else "c2",)
+        alt = f"{quantity} of {name} over time: {said}"
+        yield time_chart(caption, alt, course.time, curves, unit, rows=course.rows, levels=levels, colours=colours)
+    speeds, torques = course.frames[f"qd_{joint.name}"], course.frames[f"tau_{joint.name}"]
+    lines = {}
+    for limit, most, along, row in (
+        (joint.effort_limit, joint.peak, speeds, 1),
+        (joint.velocity_limit, joint.max_speed, torques, 0),
+    ):
+        if limit is not None and abs(most) >= _NEAR * limit:
+            ends = np.array((along.min(), along.max(), np.nan) * 2)
+            at_limit = np.array((limit, limit, np.nan, -limit, -limit, np.nan))
+            lines["effort limit" if row else "speed limit"] = (ends, at_limit) if row else (at_limit, ends)
+    alt = f"{what} over speed of {name}: peak {peak} {load}, largest speed {fastest} {speed}"
+    yield plane_chart(
+        f"{name}: {what} over speed",
+        alt,
+        f"speed [{speed}]",
+        f"{what} [{load}]",
+        dots={"samples": (speeds, torques)},
+        lines=lines,
+        colours={"samples": "c1", "effort limit": "bad", "speed limit": "bad"},
+        time=course.frames["time"],
     )
-    return doc.Figure(printable(joint.name), alt, plots.plot(WIDE, 660, draw, f"joint {column}"))
 
 
-def base_figures(loads: Sequence[ComponentLoad], history: History, size: Sizes) -> Iterator[doc.Figure]:
-    """Yield forces and moments of the ground on the robot against time; none that are zero throughout."""
+def _base_charts(result: Result, course: Course, size: Sizes) -> Iterator[doc.Chart]:
+    """Yield forces and moments of the ground on the robot over time; none that are zero throughout."""
     for title, unit, first in (("forces", "N", 0), ("moments", "N m", 3)):
-        names = history.base.names[first : first + 3]
-        lines = {name: plots.quiet_line(history.base, "load", first + k, size[unit]) for k, name in enumerate(names)}
-        if any(values.any() for _, values in lines.values()):
-            peaks = [f"{part.name} {number(part.peak, size[unit])} {unit}" for part in loads if part.name in names]
-            alt = f"Base {title} against time; peaks: {', '.join(peaks)}"
-            yield plots.lines_figure(f"Base {title}: ground on robot", alt, lines, unit)
+        parts = result.base_wrench[first : first + 3]
+        if any(not is_noise(abs(part.peak), size[unit]) for part in parts):
+            peaks = ", ".join(f"{part.name} {number(part.peak, size[unit])} {unit}" for part in parts)
+            curves = {part.name: course.curve(f"base_{part.name}", size[unit]) for part in parts}
+            alt = f"Base {title} over time; peaks: {peaks}"
+            yield time_chart(f"Base {title}: ground on robot", alt, course.time, curves, unit, rows=course.rows)
 
 
-def energy_figures(balance: EnergyBalance, history: History, size: Sizes) -> Iterator[doc.Figure]:
+def _energy_chart(result: Result, history: History, size: Sizes) -> Iterator[doc.Chart]:
     """Yield work done on the robot, less losses, and the energy stored, unless both are zero throughout."""
-    curves = history.energy
-    lines = {name: plots.quiet_line(curves, "energy", k, size["J"]) for k, name in enumerate(curves.names)}
-    if any(values.any() for _, values in lines.values()):
+    balance, energy = result.checks.energy_balance, history.energy
+    curves = {name: energy.of(name) for name in energy.curves}
+    if any(not is_noise(float(np.abs(np.stack(both)).max()), size["J"]) for both in curves.values()):
         fit = "agree" if balance.consistent else "disagree"
-        worst = number(balance.worst, size["J"])
-        alt = f"Work done less losses and energy stored against time; they {fit}, at worst by {worst} J"
-        looks = {"linewidth": 3.0}, {"dashes": (3, 3), "linewidth": 1.6}
-        yield plots.lines_figure("Energy check: work less losses, and energy stored", alt, lines, "J", looks)
+        alt = f"Work done less losses and energy stored over time; they {fit}, at worst by {number(balance.worst, size['J'])} J"
+        caption = "Energy check: work less losses, and energy stored"
+        yield time_chart(caption, alt, energy.first[:, 0], curves, "J")
 
 
-def share_figures(joints: Sequence[JointLoad]) -> Iterator[doc.Figure]:
-    """Yield what each effect of at least 1e-3 adds to the peaks, in parts of them; what lessens them to the left."""
-    names = [name for joint in joints for name, share in joint.shares.items() if abs(share) >= 1e-3 * abs(joint.peak)]
-    names = list(dict.fromkeys(names))
-    many = -(-len(joints) // 14)
-    top = 24 * ((len(names) + 2) // 3) + 8
-    for k, part in enumerate(np.array_split(np.arange(len(joints)), many) if many else (), start=1):
-        some = [joints[j] for j in part]
-        height = 38 * len(some) + top + 40
-
-        def draw(canvas: Canvas, joints: list[JointLoad] = some, height: int = height) -> None:
-            axes = canvas.add_axes((0.02, 36 / height, 0.945, 1 - (top + 36) / height))
-            rows = np.arange(len(joints)) - 0.16
-            right, left = np.zeros(len(rows)), np.zeros(len(rows))
-            for k, name in enumerate(names):
-                share = np.array([100.0 * joint.shares.get(name, 0.0) / joint.peak for joint in joints])
-                start = np.where(share >= 0.0, right, left)
-                axes.barh(rows, share, left=start, height=0.42, align="edge", label=name, color=SERIES[k % len(SERIES)])
-                right, left = right + share.clip(0.0), left + share.clip(None, 0.0)
-            for percent, colour in ((0.0, INK), (100.0, GRID)):
-                axes.vlines(np.full(len(rows), percent), rows - 0.04, rows + 0.46, color=colour, linewidth=1.0)
-            for row, label in enumerate(shortened([printable(joint.name) for joint in joints], most=52)):
-                axes.text(0.0, row - 0.26, label, transform=axes.get_yaxis_transform(), fontsize=10, color=INK)
-            axes.set(yticks=[], ylim=(len(joints) - 0.5, -0.75), xlabel="share of the peak [%]")
-            axes.spines["left"].set_visible(False)
-            axes.grid(visible=False)
-            canvas.legend(loc="upper left", ncols=3, fontsize=10, columnspacing=1.0, handlelength=1.0)
-
-        caption = "What makes the peaks" + (f", {k} of {many}" if many > 1 else "")
-        alt = f"Bars of what each effect adds to the peaks of {', '.join(printable(joint.name) for joint in some)}"
-        yield doc.Figure(caption, alt, plots.plot(WIDE, height, draw, caption))
+def _share_bars(joints: Sequence[JointLoad]) -> list[doc.Block]:
+    """Return what each effect of at least 1e-3 adds to the peaks, in parts of them; what lessens them is red."""
+    rows = []
+    for joint in joints:
+        shares = [(name, 100.0 * share / joint.peak) for name, share in joint.shares.items()]
+        shown = [(name, share) for name, share in shares if abs(share) >= 0.1]
+        bars = [(name, 0.0, min(abs(share), 100.0), "bad" if share < 0.0 else "c1") for name, share in shown]
+        rows.append((joint.name, bars, ", ".join(f"{name} {share:.3g} %" for name, share in shown)))
+    note = "Red bars lessen the peak."
+    return [doc.Bars("Share of each effect in the peak", rows, note)] if rows else []
 
 
-def contact_figures(contacts: Sequence[ContactLoad], curves: Curves, size: Sizes) -> Iterator[doc.Figure]:
-    """Yield of each contact that is ever on its force along the normal against time, all to one scale."""
-    top = 1.05 * max((contact.normal.value for contact in contacts), default=0.0)
-    for k, contact in enumerate(contacts):
-        samples = curves.samples(k)
+def _contact_chart(result: Result, scene: Scene, course: Course) -> Iterator[doc.Chart]:
+    """Yield the forces of contacts along their normals over time."""
+    from robodyn.dynamics.constraints.constraint_jacobian import columns_of, normal_of
 
-        def draw(canvas: Canvas, samples: dict[str, Floats] = samples) -> None:
-            axes, time, on = plots.panel(canvas, 46, 114), samples["time"], (samples["on"] > 0.0).tolist()
-            across = axes.get_xaxis_transform()
-            axes.fill_between(time, 0.0, 1.0, where=on, transform=across, color=GRID, linewidth=0.0, zorder=0)
-            axes.plot(time, samples["normal"], color=SERIES[0], marker="o" if len(time) == 1 else None)
-            axes.set(ylim=(0.0, top or None), title="[N]", xlabel="time [s]")
+    assert result.constraints is not None
+    curves = {}
+    for contact in scene.contacts:
+        parts = [course.frames[column] for column in columns_of(contact.name)[:3]]
+        curves[printable(contact.name)] = sum(
+            n * part for n, part in zip(normal_of(contact, scene), parts, strict=True)
+        )
+    most = ", ".join(
+        f"{printable(each.name)} {number(each.normal.value)} N, on {100 * each.on:.0f} % of the time"
+        for each in result.constraints.contacts
+    )
+    alt = f"Forces of contacts along their normals over time; largest: {most}"
+    rows = course.frame_rows
+    yield time_chart("Contacts: force along the normal [N]", alt, course.frames["time"], curves, "N", rows=rows)
 
-        if contact.on:
-            name, most = printable(contact.name), number(contact.normal.value, size["N"])
-            words = f"force along the normal against time, up to {most} N, on {100 * contact.on:.0f} % of it"
-            caption = f"{name}: force along the normal; shaded where it is on"
-            yield doc.Figure(caption, f"Contact {name}: {words}", plots.plot(WIDE, 190, draw, caption))
 
-
-def motor_figures(sizing: Sizing, model: Model, scene: Scene, curves: Curves) -> Iterator[tuple[str, doc.Figure]]:
-    """Yield for each joint with a motor torque against speed at its shaft, with its curves in all four quadrants."""
+def _motor_charts(result: Result, model: Model, scene: Scene, course: Course) -> Iterator[tuple[str, doc.Chart]]:
+    """Yield of each joint with a motor torque over speed at its shaft, its curves in all four quadrants, and the point
+    that is judged against the continuous curve: RMS torque at the mean speed."""
     joints = joint_of_rates(model)[6 if model.floating else 0 :]
-    for k, (joint, sized) in enumerate(zip(joints, sizing.joints, strict=True)):
+    for joint, sized in zip(joints, result.sizing.joints if result.sizing else (), strict=bool(result.sizing)):
         train, motor = train_of(joint, scene), sized.motor
         if train is None or motor is None:
             continue
-        samples = curves.samples(k)
-        tau, qd, qdd = samples["torque"], samples["speed"], samples["acceleration"]
+        tau, qd, qdd = (course.frames[f"{key}_{sized.name}"] for key in ("tau", "qd", "qdd"))
         torque, speed = motor_torque(train, load_torque(train, tau, qdd), qd, qdd), train.gear * qd
-        fastest, lines = max(float(np.abs(speed).max()), motor.speed_limit or 0.0), []
-        for curve, colour, label in ((motor.peak_curve, BAD, "peak"), (motor.continuous, SERIES[1], "continuous")):
+        fastest, lines = max(float(np.abs(speed).max()), motor.speed_limit or 0.0), {}
+        for curve, label in ((motor.peak_curve, "peak curve"), (motor.continuous, "continuous curve")):
             if curve is not None:
                 speeds, torques = np.array(curve).T
                 if len(speeds) == 1:  # a torque at all speeds
                     speeds, torques = np.array((0.0, fastest)), np.repeat(torques, 2)
                 else:
                     speeds, torques = np.array((0.0, *speeds, speeds[-1])), np.array((torques[0], *torques, 0.0))
-                lines.append((speeds, torques, {"color": colour, "linewidth": 1.2, "dashes": (5, 3)}, label))
-
-        def draw(
-            canvas: Canvas, speed: Floats = speed, torque: Floats = torque, lines: Any = lines, motor: Any = motor
-        ) -> None:
-            axes = plots.panel(canvas, 32, 237)
-            for speeds, torques, look, label in lines:
-                for across, up in product((1.0, -1.0), repeat=2):
-                    axes.plot(across * speeds, up * torques, label=label if across == up == 1.0 else None, **look)
-            plots.dots(axes, speed, torque, SERIES[0])
-            axes.margins(0.06)
-            plots.zero_lines(axes)
-            axes.set_title(f"torque [{motor.unit}] against speed [{motor.speed_unit}]", y=1.1)
-            if lines:
-                axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, columnspacing=1.0)
-
-        name = printable(sized.name)
-        alt = (
-            f"Motor of {name}: peak torque {number(motor.peak)} {motor.unit}, largest speed "
-            f"{number(motor.max_speed)} {motor.speed_unit}, RMS torque {number(motor.rms)} {motor.unit}, against its "
-            "curves"
+                quadrants = [*product((1.0, -1.0), repeat=2)]
+                lines[label] = tuple(
+                    np.concatenate([np.append(sign[k] * part, np.nan) for sign in quadrants])
+                    for k, part in enumerate((speeds, torques))
+                )
+        name, over = printable(sized.name), motor.continuous_limit is not None and motor.rms > motor.continuous_limit
+        unit, colours = motor.unit, {"samples": "c1", "peak curve": "bad", "continuous curve": "c2"}
+        said = f"RMS torque {number(motor.rms)} {unit} at the mean speed {number(motor.mean_speed)} {motor.speed_unit}"
+        alt = f"Motor of {name}: peak torque {number(motor.peak)} {unit}, {said}, against its curves"
+        yield (
+            sized.name,
+            plane_chart(
+                f"Motor of {name}",
+                alt,
+                f"speed [{motor.speed_unit}]",
+                f"torque [{unit}]",
+                dots={"samples": (speed, torque)},
+                lines=lines,
+                marks=[
+                    (
+                        motor.mean_speed,
+                        motor.rms,
+                        "RMS torque at the mean speed, which is judged",
+                        "bad" if over else "good",
+                    )
+                ],
+                colours=colours,
+                time=course.frames["time"],
+            ),
         )
-        yield sized.name, doc.Figure(f"Motor of {name}", alt, plots.plot(WIDE, 320, draw, f"motor {k}"))

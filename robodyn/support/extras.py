@@ -39,7 +39,7 @@ SCENES = Library(
     "yourdfpy", "yourdfpy", "what brings trimesh with the libraries of its readers, such as that of COLLADA"
 )
 OPTIONAL = (
-    Library("matplotlib", "matplotlib.figure", "plots and HTML reports", "report"),
+    Library("uplot-python", "uplot", "plots of HTML reports", "report"),
     Library("jinja2", "jinja2", "HTML reports", "report"),
     Library("pyarrow", "pyarrow", "tables written as Parquet", "parquet"),
     Library("rich", "rich", "progress bars", "progress"),

@@ -20,7 +20,7 @@ from robodyn.dynamics.plan import EFFECTS
 from robodyn.measure.accuracy.ladder import Accuracy, Ladder, Rung, Spread
 from robodyn.programs.vectors import product
 from robodyn.report.accuracy import accuracy_page, draw_ladder
-from robodyn.report.pictures.free_body import (
+from robodyn.report.free_body import (
     COLOURS,
     OTHER,
     PAGE,

@@ -6,13 +6,18 @@ import base64
 import hashlib
 import json
 import re
+from collections.abc import Mapping
+from importlib.util import find_spec
 from pathlib import Path
 from textwrap import indent
 from typing import Any
 
+import numpy as np
+
 from robodyn.report import document as doc
 from robodyn.report.table import numeric_columns, printable
 from robodyn.support.extras import need
+from robodyn.support.floats import Floats
 
 _ASSETS = Path(__file__).parent / "assets"
 _SPECIAL = re.compile(r"([\\`*_{}\[\]<>#|~&@])")
@@ -40,25 +45,80 @@ def html(document: doc.Document) -> str:
     room = Environment(loader=FileSystemLoader(_ASSETS), trim_blocks=True, lstrip_blocks=True, **strict)
     room.filters |= {"words": printable, "name": name, "unit": unit, "code": doc.code_lines, "data": data}
     room.tests["block"] = lambda block, name: type(block).__name__ == name
-    assets = ("page.css", "page.js", "meanings.json")  # the last of titles of columns
-    style, script, words = ((_ASSETS / name).read_text(encoding="utf-8").strip() for name in assets)
+    shown = [
+        part for block in document.blocks for part in (block.figures if isinstance(block, doc.Gallery) else [block])
+    ]
+    looks = [part.look for part in shown if isinstance(part, (doc.Chart, doc.Stage))]
+    names = ("page.css", "meanings.json", "page.js", "viewer.js", "charts.js")  # the second of titles of columns
+    style, words, *scripts = ((_ASSETS / name).read_text(encoding="utf-8").strip() for name in names)
+    if looks:
+        need("HTML reports", "uplot-python")
+        script, looks_style = (_uplot(name) for name in ("uPlot.iife.js", "uPlot.min.css"))
+        style, scripts = f"{style}\n{looks_style}", [script, *scripts]
+    else:
+        scripts = scripts[:1]
     meanings = json.loads(words)
     page = room.get_template("page.html.j2").render(
         document=document,
         style=Markup(style),
-        script=Markup(script),
-        digest=base64.b64encode(hashlib.sha256(f"\n{script}\n".encode()).digest()).decode(),
+        scripts=[Markup(script) for script in scripts],
+        digests=[base64.b64encode(hashlib.sha256(f"\n{script}\n".encode()).digest()).decode() for script in scripts],
+        data=Markup(packed(looks)) if looks else "",
         sections=[block.text for block in document.blocks if isinstance(block, doc.Heading)],
         numeric=lambda table: numeric_columns(table.head, table.rows),
         explained=lambda head: {title: meanings[title] for title in head if title in meanings},
-        svg=lambda figure: Markup(figure.svg),
     )
     return str(page)
 
 
+def _uplot(name: str) -> str:
+    """Return a file that uplot-python brings, without importing it, which would take IPython in."""
+    spec = find_spec("uplot")
+    assert spec is not None
+    assert spec.origin is not None
+    return (Path(spec.origin).parent / "static" / name).read_text(encoding="utf-8").strip()
+
+
+def packed(looks: Any) -> str:
+    """Return JSON of charts and views, {"looks", "arrays"}: an array is its number among these, each once, as 32 bits of
+    its range: value = low + step k to within 2^-32 of the range; k = -2^31 is nan."""
+    numbers: dict[int, int] = {}
+    arrays: list[Any] = []
+    kept: list[Any] = []  # an array that is gone may leave its id to another
+
+    def plain(value: Any) -> Any:
+        if isinstance(value, np.ndarray):
+            if id(value) not in numbers:
+                numbers[id(value)] = len(arrays)
+                kept.append(value)
+                arrays.append(_array(np.asarray(value, dtype=float)))
+            return numbers[id(value)]
+        if isinstance(value, Mapping):
+            return {key: plain(each) for key, each in value.items()}
+        if isinstance(value, (list, tuple)):
+            return [plain(each) for each in value]
+        return printable(value) if isinstance(value, str) else value
+
+    text = json.dumps({"looks": plain(looks), "arrays": arrays}, allow_nan=False, separators=(",", ":"))
+    return text.replace("<", "\\u003c")  # so that no word of a file ends the element
+
+
+def _array(values: Floats) -> dict[str, Any]:
+    known = np.isfinite(values)
+    low, high = (float(values[known].min()), float(values[known].max())) if known.any() else (0.0, 0.0)
+    step = (high - low) / (2.0**32 - 3.0)
+    if known.all() and not step > 0.0:
+        return {"n": len(values), "low": low}
+    levels = np.full(len(values), -(2**31), dtype="<i4")
+    levels[known] = (np.rint((values[known] - low) / (step or 1.0)) - (2.0**31 - 1.0)).astype("<i4")
+    return {"low": low, "step": step, "levels": base64.b64encode(levels.tobytes()).decode()}
+
+
 def markdown(document: doc.Document) -> str:
     """Return the report as Markdown. Whatever could be Markdown or HTML in its words is escaped."""
-    kept = [block for block in document.blocks if not isinstance(block, (doc.Figure, doc.Gallery, doc.Downloads))]
+    kept = [
+        block for block in document.blocks if not isinstance(block, (doc.Chart, doc.Stage, doc.Gallery, doc.Downloads))
+    ]
     parts = [f"# {escaped(document.title)}", escaped(document.subtitle)]
     for block, after in zip(kept, [*kept[1:], doc.Heading("")], strict=True):
         if not (isinstance(block, doc.Heading) and isinstance(after, doc.Heading)):  # a heading without its pictures
@@ -91,6 +151,9 @@ def _block(block: doc.Block) -> str:
             ]
             found.append(f"- {_SIGNS[level]} **{escaped(title)}**\n" + "".join(f"\n{each}\n" for each in shown))
         return "\n".join(found)
+    if isinstance(block, doc.Bars):
+        lines = [f"- {escaped(name)}: {escaped(words)}" for name, _, words in block.rows]
+        return "\n".join([f"**{escaped(block.caption)}**", "", *lines])
     if not isinstance(block, doc.Table):
         return ""
     rule = ["---:" if right else "---" for right in numeric_columns(block.head, block.rows)]

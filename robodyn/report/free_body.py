@@ -11,12 +11,13 @@ import numpy as np
 
 from robodyn.equations.free_body.bodies import Action, FreeBodies, FreeBody
 from robodyn.programs.vectors import Array, length, product
-from robodyn.report.pictures.robot import PAPER as EYES
 from robodyn.report.sizes import Sizes, free_body_sizes
 from robodyn.report.table import is_noise, number
 from robodyn.support.wording import shortened
 
 Point = tuple[float, float]
+EYES = np.array(((-1, 1, 0), (-1, -1, 2), (1, 1, 1))) / np.sqrt(((2,), (6,), (3,)))
+"""Ground axes to right, up, and towards the reader, who looks from (1, 1, 1)."""
 COLOURS = {
     "weight": "#2b8a3e",
     "drive": "#d6336c",

@@ -1,1 +1,0 @@
-"""Pictures of robots and links by their visual shapes."""

@@ -1,0 +1,565 @@
+// The robot in WebGL 2: bodies placed by their joints, arrows of what acts on them, one body picked and told in numbers.
+function makeViewer(figure, stage, arrays, colours, onTime) {
+  const $ = (name) => figure.querySelector(`[data-part="${name}"]`);
+  const canvas = $("canvas"), gl = canvas.getContext("webgl2", { antialias: true, preserveDrawingBuffer: true });
+  if (!gl) {
+    $("message").textContent = "This browser has no WebGL 2, which draws the robot. The tables have all numbers.";
+    return null;
+  }
+
+  // Matrices by columns, as WebGL has them: a rotation [r00 r10 r20 ...] and a place make 16 numbers.
+  const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+  const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+  const add = (a, b) => [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
+  const times = (a, s) => [a[0] * s, a[1] * s, a[2] * s];
+  const size = (a) => Math.hypot(a[0], a[1], a[2]);
+  const place = (R, p) => [R[0], R[3], R[6], 0, R[1], R[4], R[7], 0, R[2], R[5], R[8], 0, p[0], p[1], p[2], 1];
+  const turned = (M, v) => [0, 1, 2].map((i) => M[i] * v[0] + M[4 + i] * v[1] + M[8 + i] * v[2]);
+  const turnedBack = (M, v) => [0, 4, 8].map((j) => M[j] * v[0] + M[j + 1] * v[1] + M[j + 2] * v[2]);
+  const moved = (M, v) => add(turned(M, v), M.slice(12, 15));
+  const product = (A, B) => Array.from({ length: 16 }, (_, k) => {
+    const i = k % 4, j = k - i;
+    return A[i] * B[j] + A[4 + i] * B[j + 1] + A[8 + i] * B[j + 2] + A[12 + i] * B[j + 3];
+  });
+  const about = ([x, y, z], q) => {
+    const c = Math.cos(q), s = Math.sin(q), t = 1 - c;
+    return [t * x * x + c, t * x * y - s * z, t * x * z + s * y, t * x * y + s * z, t * y * y + c, t * y * z - s * x,
+      t * x * z - s * y, t * y * z + s * x, t * z * z + c];
+  };
+  const ofQuaternion = (given) => {
+    const length = Math.hypot(...given) || 1, [x, y, z, w] = given.map((each) => each / length);
+    return [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w), 2 * (x * y + z * w),
+      1 - 2 * (x * x + z * z), 2 * (y * z - x * w), 2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)];
+  };
+
+  const state = { time: 0, playing: false, speed: 1, motion: 0, picked: null, layers: {}, sliders: {} };
+  const robots = stage.robots;
+  const motionOf = (robot) => robot.motions[Math.min(state.motion, robot.motions.length - 1)];
+  const span = () => {
+    const all = robots.map((robot) => motionOf(robot)).filter((motion) => motion.time !== null);
+    if (!all.length) return [0, 0];
+    const times = all.map((motion) => arrays[motion.time]);
+    return [Math.min(...times.map((t) => t[0])), Math.max(...times.map((t) => t[t.length - 1]))];
+  };
+
+  // The rows on both sides of a time, and how far it is between them.
+  const between = (time, t) => {
+    let low = 0, high = time.length - 1;
+    if (t <= time[0]) return [0, 0, 0];
+    if (t >= time[high]) return [high, high, 0];
+    while (high - low > 1) {
+      const middle = (low + high) >> 1;
+      if (time[middle] <= t) low = middle; else high = middle;
+    }
+    return [low, high, (t - time[low]) / (time[high] - time[low] || 1)];
+  };
+  const sample = (values, [low, high, part]) => values[low] + part * (values[high] - values[low]);
+
+  function configuration(robot) {
+    const motion = motionOf(robot);
+    if (motion.time === null) {
+      return motion.rest.map((each, k) => state.sliders[k] ?? each);
+    }
+    const at = between(arrays[motion.time], state.time);
+    return motion.q.map((ref) => typeof ref === "number" ? sample(arrays[ref], at) : ref[0]);
+  }
+
+  // As `joint_motion`: where each joint puts its body.
+  function poses(robot, q) {
+    const found = [];
+    for (const body of robot.bodies) {
+      let R = body.R, p = body.p;
+      let local = place(R, p);
+      if (body.kind === "floating") {
+        const k = body.q;
+        local = product(local, place(ofQuaternion(q.slice(k + 3, k + 7)), q.slice(k, k + 3)));
+      } else if (body.kind === "revolute") {
+        local = product(local, place(about(body.axis, body.ratio * q[body.q] + body.offset), [0, 0, 0]));
+      } else if (body.kind === "prismatic") {
+        const unit = [1, 0, 0, 0, 1, 0, 0, 0, 1];
+        local = product(local, place(unit, times(body.axis, body.ratio * q[body.q] + body.offset)));
+      }
+      found.push(body.parent < 0 ? local : product(found[body.parent], local));
+    }
+    return found;
+  }
+
+  // One program for solids, lines and picking: flat shading by the derivatives of the place.
+  const source = { vertex: `#version 300 es
+    in vec3 at; uniform mat4 model, view, lens; out vec3 seen;
+    void main() { vec4 p = view * model * vec4(at, 1.0); seen = p.xyz; gl_Position = lens * p; }`, fragment: `#version 300 es
+    precision highp float; in vec3 seen; uniform vec4 colour; uniform float shaded; out vec4 shown;
+    void main() {
+      vec3 n = normalize(cross(dFdx(seen), dFdy(seen)));
+      float light = mix(1.0, 0.45 + 0.55 * abs(dot(n, normalize(vec3(0.3, 0.5, 1.0)))), shaded);
+      shown = vec4(colour.rgb * light, colour.a);
+    }` };
+  const program = gl.createProgram();
+  for (const [kind, text] of [[gl.VERTEX_SHADER, source.vertex], [gl.FRAGMENT_SHADER, source.fragment]]) {
+    const shader = gl.createShader(kind);
+    gl.shaderSource(shader, text.trim());
+    gl.compileShader(shader);
+    if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(shader));
+    gl.attachShader(program, shader);
+  }
+  gl.bindAttribLocation(program, 0, "at");
+  gl.linkProgram(program);
+  const uniform = Object.fromEntries(["model", "view", "lens", "colour", "shaded"].map(
+    (name) => [name, gl.getUniformLocation(program, name)]));
+
+  function solid(corners, indices) {
+    const array = gl.createVertexArray();
+    gl.bindVertexArray(array);
+    gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
+    gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(corners), gl.STATIC_DRAW);
+    gl.enableVertexAttribArray(0);
+    gl.vertexAttribPointer(0, 3, gl.FLOAT, false, 0, 0);
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
+    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, new Uint32Array(indices), gl.STATIC_DRAW);
+    return { array, count: indices.length };
+  }
+  // Surfaces of revolution about z by their outline [radius, height].
+  function lathe(outline, around = 16) {
+    const corners = [], indices = [];
+    outline.forEach(([r, z], row) => {
+      for (let k = 0; k < around; k++) {
+        const a = 2 * Math.PI * k / around;
+        corners.push(r * Math.cos(a), r * Math.sin(a), z);
+        if (row) {
+          const one = row * around + k, next = row * around + (k + 1) % around;
+          indices.push(one - around, next - around, one, next, one, next - around);
+        }
+      }
+    });
+    return solid(corners, indices);
+  }
+  const shaft = lathe([[0, 0], [1, 0], [1, 1], [0, 1]]), head = lathe([[0, 0], [1, 0], [0, 1]]);
+  const ball = lathe(Array.from({ length: 13 }, (_, k) => [Math.sin(Math.PI * k / 12), -Math.cos(Math.PI * k / 12)]), 24);
+  const grid = (() => {
+    const corners = [], indices = [];
+    for (let k = -10; k <= 10; k++) {
+      corners.push(k, -10, 0, k, 10, 0, -10, k, 0, 10, k, 0);
+    }
+    for (let k = 0; k < corners.length / 3; k++) indices.push(k);
+    return solid(corners, indices);
+  })();
+  const meshes = stage.meshes.map(({ low, step, corners, indices }) => {
+    const raw = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer;
+    const grid = new Uint16Array(raw(corners)), at = new Float32Array(grid.length);
+    grid.forEach((value, k) => { at[k] = low[k % 3] + step * value; });
+    const faces = at.length / 3 > 65535 ? new Uint32Array(raw(indices)) : new Uint16Array(raw(indices));
+    return { ...solid(at, faces), low: low, corners: at };
+  });
+
+  // The room that all robots take, by the corners of their meshes and their joints.
+  const reach = (() => {
+    let low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+    const take = (point) => {
+      low = low.map((x, k) => Math.min(x, point[k]));
+      high = high.map((x, k) => Math.max(x, point[k]));
+    };
+    for (const robot of robots) {
+      const all = poses(robot, configuration(robot));
+      robot.bodies.forEach((body, k) => {
+        take(all[k].slice(12, 15));
+        take(moved(all[k], body.centre));
+        for (const mesh of body.meshes) {
+          const corners = meshes[mesh].corners, every = 3 * Math.ceil(corners.length / 600);
+          for (let i = 0; i + 2 < corners.length; i += every) take(moved(all[k], corners.subarray(i, i + 3)));
+        }
+      });
+    }
+    const middle = low.map((x, k) => (x + high[k]) / 2);
+    return { middle, size: Math.max(size(high.map((x, k) => x - low[k])), 1e-6), floor: low[2] };
+  })();
+  const home = { yaw: 0.9, pitch: 0.35, distance: 1.25 * reach.size, target: [...reach.middle] };
+  let eye = { ...home, target: [...home.target] };
+
+  // How long arrows are: the longest force, and moment, of the whole motion is a quarter of the robot.
+  const valueOf = (entry, at) => typeof entry === "object" ? entry[0] : sample(arrays[entry], at);
+  function longest(kind) {
+    let most = 0;
+    for (const robot of robots) {
+      for (const arrow of motionOf(robot).arrows) {
+        if (arrow.moment !== (kind === "N m")) continue;
+        const rows = Math.max(...arrow.values.map((v) => typeof v === "object" ? 1 : arrays[v].length));
+        for (let k = 0; k < rows; k++) most = Math.max(most, size(arrow.values.map((v) => valueOf(v, [k, k, 0]))));
+      }
+    }
+    return most;
+  }
+  const scales = {};
+  function rescale() {
+    for (const unit of ["N", "N m"]) scales[unit] = 0.25 * reach.size / (longest(unit) || 1);
+    const shown = (unit) => Number((0.1 / scales[unit]).toPrecision(3));
+    const words = [...new Set(robots.flatMap((robot) => motionOf(robot).arrows.map((arrow) => arrow.moment ? "N m" : "N")))];
+    $("scale").textContent = words.sort().map((unit) => `0.1 m of arrow: ${shown(unit)} ${unit}`).join("; ");
+  }
+
+  function arrowsOf(robot, all) {
+    const motion = motionOf(robot);
+    if (motion.time === null && motion.arrows.some((arrow) => arrow.values.some((v) => typeof v !== "object"))) return [];
+    const at = motion.time === null ? [0, 0, 0] : between(arrays[motion.time], state.time);
+    return motion.arrows.map((arrow) => {
+      const own = arrow.values.map((v) => valueOf(v, at));
+      const axes = arrow.axes === null ? null : all[arrow.axes];
+      const vector = axes ? turned(axes, own) : own;
+      const length = size(vector) * scales[arrow.moment ? "N m" : "N"];
+      return { ...arrow, vector, from: moved(all[arrow.body], arrow.point), length, value: size(own) };
+    });
+  }
+
+  let now = null;
+  function placed() {
+    now = robots.map((robot) => {
+      const all = poses(robot, configuration(robot));
+      return { robot, all, arrows: arrowsOf(robot, all) };
+    });
+    return now;
+  }
+
+  function lens(width, height) {
+    const near = eye.distance / 100, far = eye.distance * 20, f = 1 / Math.tan(0.35);
+    return [f * Math.min(1, height / width), 0, 0, 0, 0, f * Math.min(1, width / height) * 1, 0, 0,
+      0, 0, (far + near) / (near - far), -1, 0, 0, 2 * far * near / (near - far), 0];
+  }
+  function basis() {
+    const back = [Math.cos(eye.pitch) * Math.cos(eye.yaw), Math.cos(eye.pitch) * Math.sin(eye.yaw), Math.sin(eye.pitch)];
+    const right = [-Math.sin(eye.yaw), Math.cos(eye.yaw), 0], up = cross(back, right);
+    return { back, right, up };
+  }
+  function view() {
+    const { back, right, up } = basis(), from = add(eye.target, times(back, eye.distance));
+    return [right[0], up[0], back[0], 0, right[1], up[1], back[1], 0, right[2], up[2], back[2], 0,
+      -dot(right, from), -dot(up, from), -dot(back, from), 1];
+  }
+  const along = (from, vector, radius, length) => {
+    const z = times(vector, 1 / (size(vector) || 1)), other = Math.abs(z[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0];
+    const x = cross(other, z), one = times(x, 1 / size(x)), two = cross(z, one);
+    return [...times(one, radius), 0, ...times(two, radius), 0, ...times(z, length), 0, ...from, 1];
+  };
+  const rgb = (name) => colours(name);
+  const useColour = (share) => share > 1 ? rgb("bad") : share > 0.8 ? rgb("doubtful") : share >= 0 ? mix(rgb("body"), rgb("good"), share / 0.8) : rgb("body");
+  const mix = (a, b, s) => a.map((x, k) => x + s * (b[k] - x));
+
+  function draw(model, shape, colour, alpha = 1, shaded = 1, kind = gl.TRIANGLES) {
+    gl.uniformMatrix4fv(uniform.model, false, model);
+    gl.uniform4f(uniform.colour, ...colour, alpha);
+    gl.uniform1f(uniform.shaded, shaded);
+    gl.bindVertexArray(shape.array);
+    gl.drawElements(kind, shape.count, gl.UNSIGNED_INT, 0);
+  }
+  function useOf(robot, k) {
+    const motion = motionOf(robot), use = motion.use && motion.use[k];
+    if (!use || motion.time === null) return -1;
+    return Math.abs(sample(arrays[use.values], between(arrays[motion.time], state.time))) / use.limit;
+  }
+  // Bodies: their meshes, or bars from joint to joint where there are none; `paint` gives the colour.
+  function drawBodies(paint) {
+    const thin = 0.006 * reach.size;
+    now.forEach(({ robot, all }, r) => robot.bodies.forEach((body, k) => {
+      const [colour, alpha, shaded] = paint(robot, r, body, k);
+      for (const mesh of body.meshes) draw(all[k], meshes[mesh], colour, alpha, shaded);
+      if (body.meshes.length && !stage.bars) return;
+      const ends = robot.bodies.flatMap((child, c) => child.parent === k ? [all[c].slice(12, 15)] : []);
+      if (!ends.length) ends.push(moved(all[k], body.centre));
+      const from = all[k].slice(12, 15);
+      for (const end of ends) {
+        const bar = end.map((x, i) => x - from[i]);
+        if (size(bar)) draw(along(from, bar, thin, size(bar)), shaft, colour, alpha, shaded);
+      }
+      if (!body.meshes.length) draw(along(from, [0, 0, 1], 2 * thin, 2 * thin), ball, colour, alpha, shaded);
+    }));
+  }
+  function frame(width, height) {
+    gl.viewport(0, 0, width, height);
+    gl.useProgram(program);
+    gl.enable(gl.DEPTH_TEST);
+    gl.uniformMatrix4fv(uniform.view, false, view());
+    gl.uniformMatrix4fv(uniform.lens, false, lens(width, height));
+  }
+  function render() {
+    dirty = false;
+    const ratio = window.devicePixelRatio || 1;
+    const width = Math.max(1, Math.round(canvas.clientWidth * ratio)), height = Math.max(1, Math.round(canvas.clientHeight * ratio));
+    if (canvas.width !== width || canvas.height !== height) { canvas.width = width; canvas.height = height; }
+    placed();
+    frame(width, height);
+    gl.clearColor(...rgb("raised"), 1);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    const step = 10 ** Math.floor(Math.log10(reach.size)) / 2;
+    const ground = [step, 0, 0, 0, 0, step, 0, 0, 0, 0, 1, 0, 0, 0, stage.floor ?? reach.floor, 1];
+    draw(ground, grid, rgb("grid"), 1, 0, gl.LINES);
+    gl.enable(gl.BLEND);
+    gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
+    const see = state.layers.through ? 0.35 : 1;
+    drawBodies((robot, r, body, k) => {
+      const picked = state.picked && state.picked[0] === r && state.picked[1] === k;
+      const colour = picked ? rgb("c1") : body.lit ? rgb("bad") : robot.colour ? rgb(robot.colour) : useColour(useOf(robot, k));
+      return [colour, (robot.alpha ?? 1) * see, 1];
+    });
+    const thin = 0.008 * reach.size;
+    for (const { robot, all, arrows } of now) {
+      if (state.layers.inertia) robot.bodies.forEach((body, k) => {
+        if (!body.ellipsoid) return;
+        const [axes, half] = body.ellipsoid, own = place(axes, body.centre);
+        const M = product(all[k], own.map((x, i) => i < 12 ? x * half[i >> 2] : x));
+        draw(M, ball, rgb("c4"), 0.55);
+      });
+      if (state.layers.weight) robot.bodies.forEach((body, k) => {
+        const radius = 0.012 * reach.size;
+        if (body.mass) draw(along(moved(all[k], body.centre), [0, 0, 1], radius, radius), ball, rgb("c3"));
+      });
+      for (const arrow of arrows) {
+        if (!state.layers[arrow.kind] || arrow.length < 1e-4 * reach.size) continue;
+        const colour = rgb(stage.kinds[arrow.kind].colour), tip = Math.min(4 * thin, 0.5 * arrow.length), unit = times(arrow.vector, 1 / size(arrow.vector));
+        draw(along(arrow.from, unit, thin * 0.6, arrow.length - tip), shaft, colour);
+        draw(along(add(arrow.from, times(unit, arrow.length - tip)), unit, 0.5 * tip, tip), head, colour);
+        if (arrow.moment) { // two heads: by the right-hand rule
+          draw(along(add(arrow.from, times(unit, Math.max(0, arrow.length - 1.8 * tip))), unit, 0.5 * tip, tip), head, colour);
+        }
+        if (arrow.cone) {
+          const [mu, ...normal] = arrow.cone, up = 0.12 * reach.size;
+          draw(along(add(arrow.from, times(normal, up)), times(normal, -1), mu * up, up), head, colour, 0.2);
+        }
+      }
+    }
+    gl.disable(gl.BLEND);
+    $("clock").textContent = clockWords();
+  }
+  let dirty = false;
+  const redraw = () => {
+    if (!dirty) requestAnimationFrame(render);
+    dirty = true;
+  };
+
+  // Picking: bodies in colours that are their numbers, read below the pointer.
+  function pick(x, y) {
+    const target = gl.createFramebuffer(), colour = gl.createTexture(), depth = gl.createRenderbuffer();
+    gl.bindTexture(gl.TEXTURE_2D, colour);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, canvas.width, canvas.height, 0, gl.RGBA, gl.UNSIGNED_BYTE, null);
+    gl.bindRenderbuffer(gl.RENDERBUFFER, depth);
+    gl.renderbufferStorage(gl.RENDERBUFFER, gl.DEPTH_COMPONENT24, canvas.width, canvas.height);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, target);
+    gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, colour, 0);
+    gl.framebufferRenderbuffer(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, depth);
+    placed();
+    frame(canvas.width, canvas.height);
+    gl.clearColor(0, 0, 0, 1);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    drawBodies((robot, r, body, k) => [[(r + 1) / 255, (k >> 8) / 255, (k & 255) / 255], 1, 0]);
+    const ratio = canvas.width / canvas.clientWidth, found = new Uint8Array(4);
+    gl.readPixels(Math.round(x * ratio), canvas.height - 1 - Math.round(y * ratio), 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, found);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    for (const [what, one] of [["Framebuffer", target], ["Texture", colour], ["Renderbuffer", depth]]) gl[`delete${what}`](one);
+    choose(found[0] ? [found[0] - 1, 256 * found[1] + found[2]] : null);
+  }
+
+  // The free body of the picked link, in its axes about its origin: what acts on it adds up to the rate of its momentum.
+  function freeBody(r, k) {
+    const { robot, all, arrows } = now[r], rows = [], sum = [0, 0, 0, 0, 0, 0];
+    const own = (what, force, moment, sign = 1) => {
+      const f = times(turnedBack(all[k], force), sign), m = times(turnedBack(all[k], moment), sign);
+      rows.push([what, ...f, ...m]);
+      [...f, ...m].forEach((x, i) => { sum[i] += x; });
+    };
+    const at = all[k].slice(12, 15), parts = {};
+    for (const arrow of arrows) {
+      const of = arrow.body === k ? 1 : robot.bodies[arrow.body].parent === k && arrow.kind === "reaction" ? -1 : 0;
+      if (!of || arrow.kind === "torque") continue;
+      const key = `${arrow.body} ${arrow.what}`, lever = add(arrow.from, times(at, -1));
+      const what = of < 0 ? `${arrow.what}, opposite` : arrow.what;
+      const part = parts[key] ??= { what, force: [0, 0, 0], moment: [0, 0, 0], of };
+      if (arrow.moment) part.moment = add(part.moment, arrow.vector);
+      else { part.force = add(part.force, arrow.vector); part.moment = add(part.moment, cross(lever, arrow.vector)); }
+    }
+    for (const { what, force, moment, of } of Object.values(parts)) own(what, force, moment, of);
+    return { rows, sum };
+  }
+  function tell() {
+    const panel = $("panel");
+    panel.replaceChildren();
+    panel.hidden = !state.picked;
+    if (!state.picked) return;
+    const [r, k] = state.picked, { robot } = now[r], body = robot.bodies[k];
+    const element = (tag, text) => { const made = document.createElement(tag); made.textContent = text; return made; };
+    const number = (x) => Math.abs(x) < 1e-9 ? "0" : Number(x.toPrecision(5)).toString();
+    panel.append(element("h3", body.name));
+    panel.append(element("p", `${number(body.mass)} kg, mass centre (${body.centre.map(number).join(", ")}) m${body.words ? `; ${body.words}` : ""}`));
+    const share = useOf(robot, k);
+    if (share >= 0) panel.append(element("p", `joint ${body.joint}: ${number(100 * share)} % of its limit now`));
+    const { rows, sum } = freeBody(r, k);
+    if (!rows.length) return;
+    const table = document.createElement("table"), top = table.createTHead().insertRow();
+    for (const title of ["in its axes", "fx [N]", "fy", "fz", "mx [N m]", "my", "mz"]) {
+      const cell = element("th", title);
+      cell.scope = "col";
+      top.append(cell);
+    }
+    const content = table.createTBody();
+    for (const [what, ...values] of [...rows, ["sum", ...sum]]) {
+      const row = content.insertRow(), name = element("th", what);
+      name.scope = "row";
+      row.append(name);
+      values.forEach((value) => row.append(element("td", number(value))));
+    }
+    panel.append(table);
+  }
+  function choose(what) {
+    state.picked = what;
+    const list = $("links");
+    list.value = what ? what.join() : "";
+    placed();
+    tell();
+    redraw();
+  }
+
+  const clockWords = () => {
+    const motion = motionOf(robots[0]);
+    if (motion.time === null) return "";
+    const [row, next, part] = between(arrays[motion.time], state.time), nearest = part > 0.5 ? next : row;
+    const number = motion.rows === null ? "" : `, row ${Math.round(arrays[motion.rows][nearest])}`;
+    return `${Number(state.time.toPrecision(7))} s${number}`;
+  };
+  function setTime(t, told = false) {
+    const [first, last] = span();
+    state.time = Math.min(Math.max(t, first), last);
+    $("time").value = state.time;
+    $("time").setAttribute("aria-valuetext", clockWords());
+    if (!told) onTime(state.time);
+    if (state.picked) { placed(); tell(); }
+    redraw();
+  }
+
+  // Controls: every one is an element that the keyboard reaches.
+  const [first, last] = span(), moves = last > first;
+  $("player").hidden = !moves;
+  Object.assign($("time"), { min: first, max: last, step: "any", value: first });
+  $("time").addEventListener("input", (event) => setTime(Number(event.target.value)));
+  $("play").addEventListener("click", () => {
+    state.playing = !state.playing;
+    $("play").textContent = state.playing ? "Pause" : "Play";
+    if (state.playing && state.time >= span()[1]) setTime(span()[0]);
+    let before = null;
+    const step = (stamp) => {
+      if (!state.playing) return;
+      if (before !== null) setTime(state.time + state.speed * (stamp - before) / 1000);
+      before = stamp;
+      if (state.time >= span()[1]) {
+        if (stage.loop) setTime(span()[0]);
+        else { state.playing = false; $("play").textContent = "Play"; return; }
+      }
+      requestAnimationFrame(step);
+    };
+    if (state.playing) requestAnimationFrame(step);
+  });
+  $("speed").addEventListener("change", (event) => { state.speed = Number(event.target.value); });
+  $("home").addEventListener("click", () => { eye = { ...home, target: [...home.target] }; redraw(); });
+  const present = new Set(robots.flatMap((robot) => robot.motions.flatMap((motion) => motion.arrows.map((arrow) => arrow.kind))));
+  const layers = [...Object.entries(stage.kinds).filter(([kind]) => present.has(kind)).map(([kind, { what, on }]) => [kind, what, on])];
+  if (robots.some((robot) => robot.bodies.some((body) => body.ellipsoid))) layers.push(["inertia", "ellipsoids of inertia", Boolean(stage.ellipsoids)]);
+  layers.push(["through", "see through", Boolean(stage.through)]);
+  for (const [kind, what, on] of layers) {
+    const label = document.createElement("label"), box = document.createElement("input");
+    Object.assign(box, { type: "checkbox", checked: on, value: kind });
+    state.layers[kind] = on;
+    box.addEventListener("change", () => { state.layers[kind] = box.checked; redraw(); });
+    const dot = document.createElement("i");
+    if (stage.kinds[kind]) dot.style.background = `var(--${stage.kinds[kind].colour})`;
+    label.append(box, dot, ` ${what}`);
+    $("layers").append(label);
+  }
+  robots.forEach((robot, r) => robot.bodies.forEach((body, k) => {
+    $("links").append(new Option(robots.length > 1 ? `${robot.name}: ${body.name}` : body.name, `${r},${k}`));
+  }));
+  $("links").addEventListener("change", (event) => choose(event.target.value ? event.target.value.split(",").map(Number) : null));
+  const names = robots[0].motions.map((motion) => motion.name);
+  $("motions").parentElement.hidden = names.length < 2;
+  names.forEach((name, k) => $("motions").append(new Option(name, k)));
+  $("motions").addEventListener("change", (event) => {
+    state.motion = Number(event.target.value);
+    const [from, to] = span();
+    Object.assign($("time"), { min: from, max: to });
+    rescale();
+    setTime(from);
+  });
+  for (const slider of robots[0].motions[0].sliders ?? []) {
+    const label = document.createElement("label"), input = document.createElement("input"), output = document.createElement("output");
+    const show = (value) => { output.textContent = `${Number(value.toPrecision(4))} ${slider.unit}`; };
+    Object.assign(input, { type: "range", min: slider.lower, max: slider.upper, step: "any", value: slider.value });
+    input.addEventListener("input", () => {
+      state.sliders[slider.q] = Number(input.value);
+      show(Number(input.value));
+      if (state.picked) { placed(); tell(); }
+      redraw();
+    });
+    show(slider.value);
+    label.append(slider.name, input, output);
+    $("sliders").append(label);
+  }
+
+  const fingers = new Map();
+  let far = 0;
+  canvas.addEventListener("pointerdown", (event) => {
+    canvas.setPointerCapture(event.pointerId);
+    fingers.set(event.pointerId, [event.offsetX, event.offsetY]);
+    far = 0;
+  });
+  canvas.addEventListener("pointermove", (event) => {
+    const before = fingers.get(event.pointerId);
+    if (!before) return;
+    const step = [event.offsetX - before[0], event.offsetY - before[1]], others = [...fingers.values()].filter((each) => each !== before);
+    far += Math.hypot(...step);
+    if (others.length) {
+      const gap = (point) => Math.hypot(point[0] - others[0][0], point[1] - others[0][1]) || 1;
+      eye.distance *= gap(before) / gap([event.offsetX, event.offsetY]);
+    } else if (event.shiftKey || event.buttons === 2) pan(step[0], step[1]);
+    else orbit(step[0], step[1]);
+    fingers.set(event.pointerId, [event.offsetX, event.offsetY]);
+    redraw();
+  });
+  const lift = (event) => {
+    if (event.type === "pointerup" && fingers.size === 1 && far < 4) pick(event.offsetX, event.offsetY);
+    fingers.delete(event.pointerId);
+  };
+  canvas.addEventListener("pointerup", lift);
+  canvas.addEventListener("pointercancel", lift);
+  canvas.addEventListener("contextmenu", (event) => event.preventDefault());
+  canvas.addEventListener("wheel", (event) => {
+    event.preventDefault();
+    eye.distance *= Math.exp(event.deltaY / 600);
+    redraw();
+  }, { passive: false });
+  function orbit(x, y) {
+    eye.yaw -= x / 150;
+    eye.pitch = Math.min(Math.max(eye.pitch + y / 150, -1.55), 1.55);
+  }
+  function pan(x, y) {
+    const { right, up } = basis(), unit = eye.distance / canvas.clientHeight;
+    eye.target = add(eye.target, add(times(right, -x * unit), times(up, y * unit)));
+  }
+  canvas.addEventListener("keydown", (event) => {
+    const keys = { ArrowLeft: [-12, 0], ArrowRight: [12, 0], ArrowUp: [0, -12], ArrowDown: [0, 12] };
+    if (keys[event.key]) (event.shiftKey ? pan : orbit)(...keys[event.key]);
+    else if (event.key === "+" || event.key === "=") eye.distance /= 1.15;
+    else if (event.key === "-") eye.distance *= 1.15;
+    else return;
+    event.preventDefault();
+    redraw();
+  });
+  new ResizeObserver(redraw).observe(canvas);
+  rescale();
+  setTime(first, true);
+  return {
+    setTime: (t) => setTime(t, true),
+    redraw,
+    render,
+    pick: (r, k) => choose([r, k]),
+    // What tests read back: where every link is, and how long arrows are.
+    poses: () => placed().map(({ robot, all }) => Object.fromEntries(robot.bodies.map((body, k) => [body.name, all[k]]))),
+    arrows: () => placed().flatMap(({ robot, arrows }) => arrows.map((arrow) => ({
+      kind: arrow.kind, body: robot.bodies[arrow.body].name, moment: arrow.moment, value: arrow.value, length: arrow.length,
+    }))),
+    scales: () => ({ ...scales }),
+  };
+}

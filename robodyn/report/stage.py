@@ -1,0 +1,297 @@
+"""Robots in 3-D, which the page's viewer moves: bodies with meshes, motions, and arrows of what acts on them."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Iterable, Mapping, Sequence
+from math import pi
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from robodyn.errors import MeshError
+from robodyn.programs.vectors import product, rotation_from_rpy
+from robodyn.report.document import Stage
+from robodyn.report.table import number, printable
+from robodyn.robot.model import Body, Model
+from robodyn.scene.scene import Contact, ExternalWrench, Scene
+from robodyn.solids.mesh.read.load import load_triangles
+from robodyn.support.floats import Floats
+from robodyn.trajectory.columns.signals import COMPONENTS
+
+if TYPE_CHECKING:
+    from robodyn.robot.urdf.parts import Description
+
+TRIANGLES = 40_000
+"""Of all meshes of a page at most: corners closer than a cell of a grid become one, cells as fine as that allows."""
+_FINEST = 4000
+"""Cells along the longest side of what is drawn, at most."""
+KINDS = {
+    "torque": {"what": "joint torques and forces", "colour": "c6", "on": True},
+    "reaction": {"what": "joint wrenches", "colour": "c1", "on": False},
+    "weight": {"what": "weights and mass centres", "colour": "c3", "on": False},
+    "external": {"what": "external wrenches", "colour": "c8", "on": True},
+    "contact": {"what": "contact forces and their cones", "colour": "c2", "on": True},
+    "loop": {"what": "forces of loops", "colour": "c5", "on": False},
+    "base": {"what": "wrench of the base", "colour": "c4", "on": False},
+}
+Entry = Floats | list[float]
+"""Values over the rows of a motion, or one that stays, in a list."""
+
+
+def stage(
+    caption: str,
+    robots: Sequence[dict[str, Any]],
+    shapes: Sequence[Mapping[int, Floats]],
+    *,
+    bars: bool = False,
+    ellipsoids: bool = False,
+    through: bool = False,
+    loop: bool = False,
+) -> Stage:
+    """Return a view of robots, each of `robot`; shapes: of each by body (m, 3, 3) triangles in its frame.
+
+    Args:
+        bars: draw bars from joint to joint also where there are meshes; ellipsoids, through: shown from the start.
+        loop: play a motion again and again.
+    """
+    meshes, error = _meshes(
+        [
+            (body, part)
+            for robot, each in zip(robots, shapes, strict=True)
+            for body, part in ((robot["bodies"][k], part) for k, part in each.items())
+        ]
+    )
+    words = f"Meshes are drawn to within {number(1000.0 * error)} mm. " if meshes else ""
+    words += "Drag to turn, shift and drag to move, wheel or pinch to zoom; click a link for what acts on it."
+    look = {"robots": [*robots], "meshes": meshes, "kinds": KINDS, "bars": bars, "ellipsoids": ellipsoids}
+    names = ", ".join(printable(robot["name"]) for robot in robots)
+    return Stage(caption, f"The robot in 3-D: {names}", words, look | {"through": through, "loop": loop})
+
+
+def robot(
+    model: Model,
+    motions: Sequence[dict[str, Any]],
+    *,
+    name: str = "",
+    colour: str | None = None,
+    alpha: float = 1.0,
+    lit: Iterable[str] = (),
+    words: Mapping[str, str] | None = None,
+) -> dict[str, Any]:
+    """Return a robot of a stage with its `motion`s.
+
+    Args:
+        colour, alpha: of all bodies, in place of that of their use of limits; lit: bodies in the colour of what is bad.
+        words: what is said of bodies when they are picked.
+    """
+    bodies, lit = [_body(body) for body in model.bodies], set(lit)
+    for body in bodies:
+        body |= {"lit": body["name"] in lit, "words": (words or {}).get(body["name"], "")}
+    return {"name": name or model.name, "bodies": bodies, "motions": [*motions], "colour": colour, "alpha": alpha}
+
+
+def _body(body: Body) -> dict[str, Any]:
+    joint, inertia = body.joint, body.inertia
+    centre = [float(x) for x in inertia.centre_of_mass]
+    found = {"name": body.name, "parent": body.parent, "joint": joint.name, "kind": joint.kind}
+    found |= {"R": joint.R.ravel().tolist(), "p": joint.p.tolist(), "axis": joint.axis.tolist(), "q": joint.coordinate}
+    found |= {"ratio": joint.multiplier, "offset": joint.offset, "mass": float(inertia.m), "centre": centre}
+    return found | {"ellipsoid": _ellipsoid(body), "meshes": []}
+
+
+def _ellipsoid(body: Body) -> list[list[float]] | None:
+    """Return axes (row by row, as a rotation) and half-axes of the even ellipsoid with a body's mass and inertia."""
+    if not body.inertia.m > 0.0:
+        return None
+    moments, axes = np.linalg.eigh(np.asarray(body.inertia.about_centre, dtype=float))
+    squares = 2.5 * (moments.sum() - 2.0 * moments) / float(body.inertia.m)
+    if not np.isfinite(squares).all() or squares.max() <= 0.0:
+        return None
+    return [axes.ravel().tolist(), np.sqrt(squares.clip(0.0)).tolist()]
+
+
+def motion(
+    name: str,
+    time: Floats,
+    q: Sequence[Entry],
+    *,
+    rows: Floats | None = None,
+    use: Sequence[tuple[Floats, float] | None] = (),
+    arrows: Iterable[dict[str, Any]] = (),
+) -> dict[str, Any]:
+    """Return a motion: time (F,) [s], each coordinate over it; rows: their numbers in the table, from 1.
+
+    Args:
+        use: of each body what its joint's limit is compared with, and the limit.
+    """
+    uses = [None if each is None else {"values": each[0], "limit": each[1]} for each in use]
+    return {"name": name, "time": time, "rows": rows, "q": [*q], "use": uses, "arrows": [*arrows]}
+
+
+def pose(model: Model, q: Sequence[float], arrows: Iterable[dict[str, Any]] = ()) -> dict[str, Any]:
+    """Return the motion of a robot that stands at q, and is moved by sliders."""
+    sliders = []
+    for joint in model.independent:
+        if joint.kind in ("revolute", "prismatic"):
+            turns, far = joint.kind == "revolute", pi if joint.kind == "revolute" else model.reach or 1.0
+            low, high = (-far if joint.lower is None else joint.lower), (far if joint.upper is None else joint.upper)
+            each = {"name": printable(joint.name), "q": joint.coordinate, "unit": "rad" if turns else "m"}
+            sliders.append(each | {"lower": low, "upper": high, "value": float(q[joint.coordinate])})
+    still = {"name": "", "time": None, "rows": None, "q": [], "rest": [float(x) for x in q], "use": []}
+    return still | {"sliders": sliders, "arrows": [*arrows]}
+
+
+def weights(model: Model, gravity: Sequence[float]) -> list[dict[str, Any]]:
+    """Return the weight of every body, at its mass centre in the axes of the ground."""
+    return [
+        _arrow("weight", "weight", k, None, body.inertia.centre_of_mass, [[float(body.inertia.m) * g] for g in gravity])
+        for k, body in enumerate(model.bodies)
+        if body.inertia.m > 0.0
+    ]
+
+
+def loads(model: Model, tree: Scene, columns: Mapping[str, Floats], contacts: Sequence[Contact] = ()) -> list[Any]:
+    """Return arrows of what acts along a motion: joint torques and wrenches, of the base, and external wrenches.
+
+    Args:
+        tree: the scene in which constraints are wrenches; columns: those of `output_names` with reactions, and its own.
+        contacts: of the scene itself, for their cones.
+    """
+    found = [*weights(model, tree.gravity)]
+    for k, body in enumerate(model.bodies):
+        joint = body.joint
+        if joint.kind in ("revolute", "prismatic") and joint.mimics is None:
+            tau = columns[f"tau_{joint.name}"]
+            values = [tau if a == 1.0 else [0.0] if a == 0.0 else a * tau for a in joint.axis.tolist()]
+            what = "joint torque" if joint.kind == "revolute" else "joint force"
+            found.append(_arrow("torque", what, k, k, (0.0, 0.0, 0.0), values, joint.kind == "revolute"))
+        names = [f"base_{part}" if k == 0 else f"{part}_{joint.name}" for part in COMPONENTS]
+        for first, moment in ((0, False), (3, True)):
+            values = [columns[name] for name in names[first : first + 3]]
+            kind, what = ("base", "by the ground") if k == 0 else ("reaction", f"by joint {printable(joint.name)}")
+            found.append(_arrow(kind, what, k, k, (0.0, 0.0, 0.0), values, moment))
+    cones = {contact.link: contact for contact in contacts}
+    for wrench in tree.wrenches:
+        found += _external(model, tree, wrench, columns, cones.get(wrench.link) if wrench.cause == "contact" else None)
+    return [arrow for arrow in found if any(np.any(part) for part in arrow["values"])]
+
+
+def _external(
+    model: Model, tree: Scene, wrench: ExternalWrench, columns: Mapping[str, Floats], contact: Contact | None
+) -> Iterable[dict[str, Any]]:
+    from robodyn.dynamics.constraints.constraint_jacobian import normal_of
+
+    place = model.links[wrench.link]
+    point = product(place.R, np.array(wrench.point)) + place.p
+    axes = model.links[wrench.axes or (wrench.link if wrench.frame == "link" else next(iter(model.links)))]
+    ground = not wrench.axes and wrench.frame == "world"
+    kind = {"loop": "loop", "contact": "contact"}.get(wrench.cause, "external")
+    what = {"loop": "by a loop", "contact": "by a contact"}.get(wrench.cause, "external")
+    for entries, moment in ((wrench.force, False), (wrench.moment, True)):
+        own: list[Entry] = [columns[each] if isinstance(each, str) else [float(each)] for each in entries]
+        if not ground and not np.array_equal(axes.R, np.eye(3)):
+            parts = [np.asarray(each) for each in own]
+            own = [sum(r * part for r, part in zip(row, parts, strict=True)) for row in axes.R]  # type: ignore[misc]
+            own = [each if len(each) > 1 else each.tolist() for each in own]  # type: ignore[union-attr]
+        cone = None if contact is None or moment else [contact.friction, *normal_of(contact, tree).tolist()]
+        yield _arrow(kind, what, place.body, None if ground else axes.body, point, own, moment, cone)
+
+
+def _arrow(
+    kind: str,
+    what: str,
+    body: int,
+    axes: int | None,
+    point: Any,
+    values: Sequence[Entry],
+    moment: bool = False,
+    cone: list[float] | None = None,
+) -> dict[str, Any]:
+    found = {"kind": kind, "what": what, "body": body, "axes": axes, "point": [float(x) for x in point]}
+    return found | {"values": [*values], "moment": moment, "cone": cone}
+
+
+def shapes_of(description: Description, kind: str = "visual") -> tuple[dict[str, Floats], str]:
+    """Return (m, 3, 3) of each link's shapes in its frame [m], and what is said of meshes that cannot be read."""
+    from trimesh import creation
+
+    found: dict[str, list[Floats]] = {}
+    missing: dict[str, None] = {}
+    every = [(link.name, shape) for link in description.links for shape in link.geometries if shape.kind == kind]
+    for name, shape in every:
+        if shape.filename is not None:
+            path = description.search.find(shape.filename)
+            try:
+                triangles = None if path is None else load_triangles(path).array() * np.array(shape.scale)
+            except MeshError:
+                triangles = None
+            if triangles is None:
+                missing[printable(shape.filename)] = None
+                continue
+        elif shape.shape == "box":
+            triangles = np.asarray(creation.box(shape.size).triangles)
+        elif shape.shape == "sphere":
+            triangles = np.asarray(creation.uv_sphere(shape.size[0]).triangles)
+        else:
+            make = creation.cylinder if shape.shape == "cylinder" else creation.capsule
+            triangles = np.asarray(make(radius=shape.size[0], height=shape.size[1]).triangles)
+        R, p = rotation_from_rpy(*shape.origin.rpy), np.array(shape.origin.xyz)
+        found.setdefault(name, []).append(product(triangles, R.T) + p)
+    names = list(missing)
+    some = ", ".join(names[:3]) + (" ..." if len(names) > 3 else "")
+    words = (
+        f"{len(names)} mesh files are not found or cannot be read, and not drawn: {some}. --package-path says where "
+    )
+    return {link: np.concatenate(parts) for link, parts in found.items()}, f"{words}packages are." if names else ""
+
+
+def shapes_of_bodies(model: Model) -> tuple[dict[int, Floats], str]:
+    """Return by body its visual shapes in its frame, its collision shapes where it has no others, and what is missing."""
+    if model.description is None:
+        return {}, ""
+    shapes, why = shapes_of(model.description)
+    if not shapes:
+        shapes, why = shapes_of(model.description, "collision")
+    found: dict[int, list[Floats]] = {}
+    for link, triangles in shapes.items():
+        if link in model.links:
+            body, R, p = model.links[link]
+            found.setdefault(body, []).append(product(triangles, np.asarray(R, float).T) + p)
+    return {body: np.concatenate(parts) for body, parts in found.items()}, why
+
+
+def _meshes(parts: Sequence[tuple[dict[str, Any], Floats]]) -> tuple[list[dict[str, Any]], float]:
+    """Return meshes with corners on a grid, whose numbers the bodies get, and how far a corner moves at most [m].
+
+    Vertex clustering (Rossignac and Borrel 1993): corners of one cell become its middle, so that none moves by more
+    than half of a cell's diagonal; triangles that have two corners in one cell go.
+    """
+    parts = [(body, triangles.reshape(-1, 3)) for body, triangles in parts if len(triangles)]
+    sides = [float(np.ptp(corners, axis=0).max()) for _, corners in parts]
+    many = sum(len(corners) for _, corners in parts) // 3
+    cell = max(sides, default=1.0) / (_FINEST if many <= 2 * TRIANGLES else 400) or 1e-3
+    while True:
+        found = [_clustered(corners, cell) for _, corners in parts]
+        many = sum(len(faces) for *_, faces in found)
+        if many <= TRIANGLES:
+            break
+        cell *= max(1.15, min((many / TRIANGLES) ** 0.5, 8.0))
+    meshes = []
+    for (body, _), (low, grid, faces) in zip(parts, found, strict=True):
+        body["meshes"] = [*body["meshes"], len(meshes)]
+        kind = np.uint16 if len(grid) <= 0xFFFF else np.uint32
+        texts = (base64.b64encode(each.tobytes()).decode() for each in (grid.astype(np.uint16), faces.astype(kind)))
+        meshes.append(dict(zip(("low", "step", "corners", "indices"), (low.tolist(), cell, *texts), strict=True)))
+    return meshes, cell * 3.0**0.5 / 2.0
+
+
+def _clustered(corners: Floats, cell: float) -> tuple[Floats, Floats, Floats]:
+    low = corners.min(axis=0)
+    places = np.rint((corners - low) / cell).astype(np.int64)
+    keys, numbers = np.unique((places[:, 0] << 32) | (places[:, 1] << 16) | places[:, 2], return_inverse=True)
+    faces = numbers.reshape(-1, 3)
+    a, b, c = faces.T
+    faces = faces[(a != b) & (b != c) & (c != a)]
+    grid = np.stack((keys >> 32, (keys >> 16) & 0xFFFF, keys & 0xFFFF), axis=1)
+    return low, grid, faces
