@@ -29,9 +29,9 @@ COLOURS = {
 }
 OTHER = "#6d7583"
 """By kind of action, and of kinds without one; each can be read on white and on black."""
-_OF_PAGE = {"#2b8a3e": "c3", "#9c5fd0": "c4", "#2f7fd6": "c1", "#d6336c": "c6", "#b8680b": "c2", "#11837f": "c5"}
-_OF_PAGE |= {"#d9480f": "c8", OTHER: "soft"}
-"""The colours of a page in their place."""
+WIDTH, TOP, BOTTOM = 800, 76, 560
+"""Of the paper, and where arrows lie, below a title and above a table [px]."""
+_SIZE = 15  # of labels
 LONGEST, SHORTEST = 120.0, 42.0
 """Arrows in pixels; the largest force and the largest moment are the longest."""
 _BESIDE = 12.0
@@ -61,38 +61,15 @@ def signed(symbol: str) -> str:
 
 
 def svg_text(
-    x: float,
-    y: float,
-    text: str,
-    size: float,
-    kind: str | None,
-    *,
-    bold: bool = False,
-    anchor: str = "start",
-    fill: str = "",
+    x: float, y: float, text: str, size: float, look: str, *, bold: bool = False, centred: bool = False
 ) -> str:
     """Return an element of text, in the look of a class of the style or in a colour."""
-    look = f'class="{kind}"' if kind else f'fill="{fill}"'
+    shown = f'{"fill" if look[0] == "#" else "class"}="{look}"'
     weight = ' font-weight="bold"' if bold else ""
-    where = f'x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}"'
-    return f'<text {where} font-size="{size}"{weight} {look}>{escape(text)}</text>'
+    where = f'x="{x:.1f}" y="{y:.1f}" text-anchor="{"middle" if centred else "start"}"'
+    return f'<text {where} font-size="{size}"{weight} {shown}>{escape(text)}</text>'
 
 
-class Paper(NamedTuple):
-    """The room of a drawing [px]: arrows lie between `top` and `bottom`, and leave the edges of the page to labels."""
-
-    width: int
-    top: int
-    bottom: int
-    edges: tuple[float, float]
-
-
-SHEET = Paper(800, 76, 560, (440.0, 310.0))
-"""Of a file: with a title above and a table below."""
-PAGE = Paper(520, 0, 440, (400.0, 290.0))
-"""Of a report, which has its own title and table."""
-_SIZE = 15
-PAPERS = ("#ffffff", "#16181d")
 STYLE = """<style>
 text { font-family: "DejaVu Sans", Verdana, Arial, sans-serif; }
 .paper { fill: #ffffff; } .ink { fill: #1c1e22; } .soft { fill: #5c6370; } .line { stroke: #5c6370; }
@@ -114,26 +91,26 @@ def drawings(found: FreeBodies, state: str) -> Iterator[tuple[str, str]]:
 
 def drawing(body: FreeBody, title: str, size: Sizes) -> str:
     """Return the SVG of one body, isometric from (1, 1, 1) of the ground's frame, below it its actions in numbers."""
-    width, height = SHEET.width, SHEET.bottom + _ROW * (len(body.actions) + len(NOTES)) + 56
+    width, height = WIDTH, BOTTOM + _ROW * (len(body.actions) + len(NOTES)) + 56
     title, name = (
         text if len(text) <= most else f"{text[: most - 3]}..." for text, most in ((title, 95), (body.name, 48))
     )
-    line = SHEET.bottom + 12
+    line = BOTTOM + 12
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" height="{height}">',
         STYLE,
         f'<rect class="paper" width="{width}" height="{height}"/>',
         svg_text(24, 36, f"Body {body.number}: {name}", 20, "ink", bold=True),
         svg_text(24, 60, title, 13, "soft"),
-        *_scene(body, size, SHEET),
+        *_scene(body, size),
         f'<line class="line" x1="24" x2="{width - 24}" y1="{line}" y2="{line}" stroke-width="1"/>',
-        *(svg_text(x, SHEET.bottom + 34, head, 13, "soft") for x, head in _HEADS),
+        *(svg_text(x, BOTTOM + 34, head, 13, "soft") for x, head in _HEADS),
     ]
     scales = [max(float(np.abs(getattr(a, part)).max()) for a in body.actions) for part in _PARTS if body.actions]
     whats = shortened([f"{action.what}, by {action.by}" for action in body.actions], most=42)
     for row, (action, what) in enumerate(zip(body.actions, whats, strict=True), start=1):
-        y = SHEET.bottom + 34 + row * _ROW
-        parts.append(svg_text(24, y, symbols(action, size), 12, None, bold=True, fill=COLOURS.get(action.kind, OTHER)))
+        y = BOTTOM + 34 + row * _ROW
+        parts.append(svg_text(24, y, symbols(action, size), 12, COLOURS.get(action.kind, OTHER), bold=True))
         cells = [what]
         for (part, unit), scale in zip(_PARTS.items(), scales, strict=True):
             vector, cell = getattr(action, part), "0"
@@ -146,29 +123,18 @@ def drawing(body: FreeBody, title: str, size: Sizes) -> str:
             cells.append(cell)
         parts += [svg_text(x, y, cell, 12, "ink") for (x, _), cell in zip(_HEADS[1:], cells, strict=True)]
     for row, note in enumerate(NOTES, start=len(body.actions) + 1):
-        parts.append(svg_text(24, SHEET.bottom + 34 + row * _ROW, note, 12, "soft"))
+        parts.append(svg_text(24, BOTTOM + 34 + row * _ROW, note, 12, "soft"))
     return "\n".join([*parts, "</svg>\n"])
 
 
-def page_drawing(body: FreeBody, size: Sizes) -> str:
-    """Return the drawing without words around it, in the colours of a page, whose width it takes."""
-    box = f"0 0 {PAGE.width} {PAGE.bottom + 8}"
-    drawn = "\n".join(
-        (f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{box}">', *_scene(body, size, PAGE), "</svg>")
-    )
-    for colour, name in _OF_PAGE.items():
-        drawn = drawn.replace(colour, f"var(--{name})")
-    return drawn
-
-
-def _scene(body: FreeBody, size: Sizes, paper: Paper) -> Iterator[str]:
+def _scene(body: FreeBody, size: Sizes) -> Iterator[str]:
     """Yield the body, which fits between its arrows, these with their labels, and the axes of ground and body."""
     places = [np.zeros(3), body.com, *(point for _, point in body.ends)]
     everything = np.array([on_paper(product(body.pose.R, p)) for p in [*places, *(a.point for a in body.actions)]])
     low, high = everything.min(axis=0), everything.max(axis=0)
-    room = np.array([paper.width, paper.bottom - paper.top]) - paper.edges
+    room = (WIDTH - 440.0, BOTTOM - TOP - 310.0)  # labels have the edges
     scale = min((r / s for r, s in zip(room, high - low, strict=True) if s > 1e-9), default=1.0)
-    centre = np.array([paper.width / 2, (paper.top + paper.bottom) / 2])
+    centre = np.array([WIDTH / 2, (TOP + BOTTOM) / 2])
     at = [(float(x), float(y)) for x, y in (everything - (low + high) / 2) * scale + centre]
     (origin, com, *ends), spots = at[: len(places)], at[len(places) :]
     lines = "".join(f"M{com[0]:.1f} {com[1]:.1f}L{x:.1f} {y:.1f}" for x, y in (origin, *ends, *spots))
@@ -189,28 +155,28 @@ def _scene(body: FreeBody, size: Sizes, paper: Paper) -> Iterator[str]:
         marks.append(next(free, tries[0]))
         x, y = marks[-1]
         yield f'<circle class="mark" cx="{x:.1f}" cy="{y:.1f}" r="9" stroke-width="1.5"/>'
-        yield svg_text(x, y + 4.2, str(joint), 12, "ink", anchor="middle")
+        yield svg_text(x, y + 4.2, str(joint), 12, "ink", centred=True)
     taken: list[tuple[float, float, float]] = []
     for vector in vectors:  # a label stands beyond the tip, below those that are there already
         label = f"{signed(vector.symbol)} = {number(vector.value)} {vector.unit}"
         half = 0.32 * _SIZE * len(label)  # rather more than less
         x = vector.end[0] + (half + 8) * vector.direction[0]
-        x = min(max(x, half + 8), paper.width - half - 8)
-        y = min(max(vector.end[1] + 18 * vector.direction[1], paper.top + 18), paper.bottom - 130)
+        x = min(max(x, half + 8), WIDTH - half - 8)
+        y = min(max(vector.end[1] + 18 * vector.direction[1], TOP + 18), BOTTOM - 130)
         while any(abs(x - there) < half + wide and abs(y - row) < 20 for there, row, wide in taken):
-            y = y + 4 if y < paper.bottom - 8 else paper.top + 18
+            y = y + 4 if y < BOTTOM - 8 else TOP + 18
         taken.append((x, y, half))
         if hypot(x - vector.end[0], y - vector.end[1]) > half + 40:
             far = f'x1="{vector.end[0]:.1f}" y1="{vector.end[1]:.1f}" x2="{x:.1f}" y2="{y - 10:.1f}"'
             yield f'<line class="line" {far} stroke-width="1" stroke-dasharray="2 3"/>'
-        yield svg_text(x, y + 5, label, _SIZE, None, bold=True, anchor="middle", fill=vector.colour)
+        yield svg_text(x, y + 5, label, _SIZE, vector.colour, bold=True, centred=True)
     for x, R, name in ((70.0, np.eye(3), "ground"), (190.0, body.pose.R, "body")):
-        y = paper.bottom - 58.0
+        y = BOTTOM - 58.0
         for k, letter in enumerate("xyz"):
             dx, dy = (34 * part for part in on_paper(R[:, k]))
             yield f'<line class="line" x1="{x}" y1="{y}" x2="{x + dx:.1f}" y2="{y + dy:.1f}" stroke-width="2"/>'
-            yield svg_text(x + 1.3 * dx, y + 1.3 * dy + 4, letter, 13, "soft", anchor="middle")
-        yield svg_text(x, y + 60, name, 12, "soft", anchor="middle")
+            yield svg_text(x + 1.3 * dx, y + 1.3 * dy + 4, letter, 13, "soft", centred=True)
+        yield svg_text(x, y + 60, name, 12, "soft", centred=True)
 
 
 def on_paper(vector: Array) -> Point:

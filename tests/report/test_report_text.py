@@ -18,8 +18,8 @@ import robodyn
 from robodyn.loads.result import Result
 from robodyn.report.document import text
 from robodyn.report.equations import free_body_sections
-from robodyn.report.limits import LINES
 from robodyn.report.free_body import drawings
+from robodyn.report.limits import LINES
 from robodyn.report.renderers.pages import html, markdown
 from robodyn.report.table import Page
 from robodyn.report.torques import torques_json
