@@ -41,9 +41,9 @@ class Courses:
         numbers = np.arange(self.rows, self.rows + N)
         begins = np.flatnonzero(np.append(True, np.diff(numbers // self.per)))
         first = np.stack([column[begins] for column in columns], axis=1)
-        values = np.stack([*curves], axis=1) if len(curves) else np.empty((N, 0))
-        low, high = (extreme.reduceat(values, begins, axis=0) for extreme in (np.minimum, np.maximum))
-        self._keep_peaks(columns, values)
+        values = np.array([*curves]) if len(curves) else np.empty((0, N))
+        low, high = (extreme.reduceat(values, begins, axis=1).T for extreme in (np.minimum, np.maximum))
+        self._keep_peaks(columns, values, np.maximum(-low, high).max(axis=0))
         if self.rows % self.per:  # goes on with the last bucket
             self.low[-1], self.high[-1] = np.minimum(self.low[-1], low[0]), np.maximum(self.high[-1], high[0])
             first, low, high = first[1:], low[1:], high[1:]
@@ -55,13 +55,11 @@ class Courses:
             self.low, self.high = np.minimum.reduceat(self.low, pairs), np.maximum.reduceat(self.high, pairs)
             self.first, self.per = self.first[::2], 2 * self.per
 
-    def _keep_peaks(self, columns: Sequence[Floats], values: Floats) -> None:
-        sizes = np.abs(values)
-        at = sizes.argmax(axis=0)
-        for k, row in enumerate(at.tolist()):
-            if sizes[row, k] > self._largest[k]:
-                self._largest[k] = sizes[row, k]
-                self.peaks[self.curves[k]] = self.rows + row, np.array([column[row] for column in columns])
+    def _keep_peaks(self, columns: Sequence[Floats], values: Floats, largest: Floats) -> None:
+        for k in np.flatnonzero(largest > self._largest):
+            row = int(np.abs(values[k]).argmax())
+            self._largest[k] = largest[k]
+            self.peaks[self.curves[k]] = self.rows + row, np.array([column[row] for column in columns])
 
     def frames(self) -> tuple[Floats, Floats]:
         """Return numbers (F,) from 0 and rows (F, columns) of every bucket's first row and the curves' peaks."""

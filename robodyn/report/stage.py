@@ -214,8 +214,6 @@ def _arrow(
 
 def shapes_of(description: Description, kind: str = "visual") -> tuple[dict[str, Floats], str]:
     """Return (m, 3, 3) of each link's shapes in its frame [m], and what is said of meshes that cannot be read."""
-    from trimesh import creation
-
     found: dict[str, list[Floats]] = {}
     missing: dict[str, None] = {}
     every = [(link.name, shape) for link in description.links for shape in link.geometries if shape.kind == kind]
@@ -229,13 +227,8 @@ def shapes_of(description: Description, kind: str = "visual") -> tuple[dict[str,
             if triangles is None:
                 missing[printable(shape.filename)] = None
                 continue
-        elif shape.shape == "box":
-            triangles = np.asarray(creation.box(shape.size).triangles)
-        elif shape.shape == "sphere":
-            triangles = np.asarray(creation.uv_sphere(shape.size[0]).triangles)
         else:
-            make = creation.cylinder if shape.shape == "cylinder" else creation.capsule
-            triangles = np.asarray(make(radius=shape.size[0], height=shape.size[1]).triangles)
+            triangles = _primitive(shape.shape, shape.size)
         R, p = rotation_from_rpy(*shape.origin.rpy), np.array(shape.origin.xyz)
         found.setdefault(name, []).append(product(triangles, R.T) + p)
     names = list(missing)
@@ -244,6 +237,23 @@ def shapes_of(description: Description, kind: str = "visual") -> tuple[dict[str,
         f"{len(names)} mesh files are not found or cannot be read, and not drawn: {some}. --package-path says where "
     )
     return {link: np.concatenate(parts) for link, parts in found.items()}, f"{words}packages are." if names else ""
+
+
+def _primitive(kind: str, size: Sequence[float]) -> Floats:
+    """Return (m, 3, 3) of a box, or of a sphere, cylinder or capsule about z: surfaces of revolution of 32 sides."""
+    if kind == "box":
+        outline, around = np.array(((0.0, -0.5), (0.5**0.5, -0.5), (0.5**0.5, 0.5), (0.0, 0.5))), 4
+        scale, turn = np.array(size), pi / 4
+    else:
+        radius, half = size[0], (0.0 if kind == "sphere" else size[1] / 2)
+        bend = np.linspace(-pi / 2, pi / 2, 18) if kind != "cylinder" else np.array((-pi / 2, 0.0, 0.0, pi / 2))
+        r, z = radius * np.cos(bend), (0.0 if kind == "cylinder" else radius * np.sin(bend))
+        outline = np.stack((r, z + half * np.where(np.arange(len(bend)) < len(bend) // 2, -1.0, 1.0)), axis=1)
+        scale, around, turn = np.ones(3), 32, 0.0
+    angles = turn + 2.0 * pi * np.arange(around + 1) / around
+    rings = np.stack([np.stack((r * np.cos(angles), r * np.sin(angles), 0.0 * angles + z), axis=1) for r, z in outline])
+    a, b, c, d = rings[:-1, :-1], rings[:-1, 1:], rings[1:, :-1], rings[1:, 1:]
+    return scale * np.stack((np.stack((a, b, d), axis=2), np.stack((a, d, c), axis=2))).reshape(-1, 3, 3)
 
 
 def shapes_of_bodies(model: Model) -> tuple[dict[int, Floats], str]:
