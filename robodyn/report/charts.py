@@ -3,17 +3,40 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from robodyn.report.document import Chart
+from robodyn.report.table import NEGLIGIBLE
 from robodyn.support.floats import Floats
+
+if TYPE_CHECKING:
+    from robodyn.loads.history import Courses
 
 Band = tuple[Floats, Floats]
 """Least and greatest values in buckets of rows."""
 COLOURS = tuple(f"c{k}" for k in range(1, 11))
 """Of a page, for curves; "ink", "soft", "bad", "good", "doubtful" besides."""
+
+
+class Course:
+    """Curves of a motion as charts have them: rows of time, and of each curve values, or the least and greatest."""
+
+    def __init__(self, motion: Courses) -> None:
+        self.motion = motion
+        self.time = motion.first[:, 0]
+        self.rows = 1.0 + motion.per * np.arange(len(self.time))
+        numbers, frames = motion.frames()
+        self.frames = dict(zip(motion.names, np.ascontiguousarray(frames.T), strict=True))
+        self.frame_rows = 1.0 + numbers
+
+    def curve(self, name: str, scale: float) -> Floats | Band:
+        """Return a curve, zero throughout where there is nothing but rounding noise."""
+        low, high = self.motion.of(name)
+        if max(np.abs(low).max(), np.abs(high).max()) <= NEGLIGIBLE * scale:
+            return np.zeros(len(low))
+        return self.frames[name] if self.motion.per == 1 and name in self.frames else (low, high)
 
 
 def time_chart(

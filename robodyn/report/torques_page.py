@@ -16,15 +16,15 @@ from robodyn.loads.sizing import load_torque, motor_torque, train_of
 from robodyn.loads.statistics import joint_of_rates
 from robodyn.report import document as doc
 from robodyn.report import stage
-from robodyn.report.charts import Band, plane_chart, time_chart
+from robodyn.report.charts import Course, plane_chart, time_chart
 from robodyn.report.equations import action_table
 from robodyn.report.limits import effort_use, offenders, torques_verdict, use_bars, worst_joint
 from robodyn.report.sizes import Sizes, free_body_sizes, result_sizes, speed_unit
-from robodyn.report.table import NEGLIGIBLE, gravity_text, is_noise, moment, number, printable
+from robodyn.report.table import gravity_text, is_noise, moment, number, printable
 from robodyn.report.torques import load_table, torques_json, torques_sections
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
-from robodyn.support.floats import Floats, ranked
+from robodyn.support.floats import ranked
 from robodyn.support.wording import count
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = Tr
         words = (
             "The robot along the motion; links in the colours of their joints' use of effort: green, red above 100 %"
         )
-        course = Course(result.history)
+        course = Course(result.history.motion)
         shown = stage.robot(model, [motion_of(course, result, model, scene)])
         blocks += [stage.stage(words, [shown], [shapes]), *doc.paragraphs([why] if why else [])]
     blocks += use_bars(result)
@@ -59,25 +59,6 @@ def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = Tr
     sections = torques_sections(result, explain=True)
     how = "robodyn torques --format json and --out write it to a file"
     return doc.page(result.robot, what, blocks, sections, "Loads", files, how)
-
-
-class Course:
-    """Curves of a history as charts have them: rows of time, and of each curve values, or the least and greatest."""
-
-    def __init__(self, history: History) -> None:
-        self.motion = history.motion
-        self.time = self.motion.first[:, 0]
-        self.rows = 1.0 + self.motion.per * np.arange(len(self.time))
-        numbers, frames = self.motion.frames()
-        self.frames = dict(zip(self.motion.names, np.ascontiguousarray(frames.T), strict=True))
-        self.frame_rows = 1.0 + numbers
-
-    def curve(self, name: str, scale: float) -> Floats | Band:
-        """Return a curve, zero throughout where there is nothing but rounding noise."""
-        low, high = self.motion.of(name)
-        if max(np.abs(low).max(), np.abs(high).max()) <= NEGLIGIBLE * scale:
-            return np.zeros(len(low))
-        return self.frames[name] if self.motion.per == 1 and name in self.frames else (low, high)
 
 
 def motion_of(course: Course, result: Result, model: Model, scene: Scene) -> dict[str, object]:
