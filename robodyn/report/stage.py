@@ -22,7 +22,7 @@ from robodyn.trajectory.columns.signals import COMPONENTS
 if TYPE_CHECKING:
     from robodyn.robot.urdf.parts import Description
 
-TRIANGLES = 40_000
+TRIANGLES = 50_000
 """Of all meshes of a page at most: corners closer than a cell of a grid become one, cells as fine as that allows."""
 _FINEST = 4000
 """Cells along the longest side of what is drawn, at most."""
@@ -274,34 +274,37 @@ def shapes_of_bodies(model: Model) -> tuple[dict[int, Floats], str]:
 def _meshes(parts: Sequence[tuple[dict[str, Any], Floats]]) -> tuple[list[dict[str, Any]], float]:
     """Return meshes with corners on a grid, whose numbers the bodies get, and how far a corner moves at most [m].
 
-    Vertex clustering (Rossignac and Borrel 1993): corners of one cell become its middle, so that none moves by more
-    than half of a cell's diagonal; triangles that have two corners in one cell go.
+    Vertex clustering (Rossignac and Borrel 1993): corners of one cell become their mean, and triangles with two corners
+    in one cell go.
     """
     parts = [(body, triangles.reshape(-1, 3)) for body, triangles in parts if len(triangles)]
-    sides = [float(np.ptp(corners, axis=0).max()) for _, corners in parts]
     many = sum(len(corners) for _, corners in parts) // 3
-    cell = max(sides, default=1.0) / (_FINEST if many <= 2 * TRIANGLES else 400) or 1e-3
+    cell = max((float(np.ptp(corners, axis=0).max()) for _, corners in parts), default=1.0)
+    cell = cell / (_FINEST if many <= 2 * TRIANGLES else 400) or 1e-3
     while True:
         found = [_clustered(corners, cell) for _, corners in parts]
         many = sum(len(faces) for *_, faces in found)
         if many <= TRIANGLES:
             break
         cell *= max(1.15, min((many / TRIANGLES) ** 0.5, 8.0))
-    meshes = []
-    for (body, _), (low, grid, faces) in zip(parts, found, strict=True):
+    meshes, error = [], 0.0
+    for (body, corners), (numbers, means, faces) in zip(parts, found, strict=True):
+        low = means.min(axis=0)
+        step = float((means - low).max()) / 0xFFFF or 1e-9
+        grid = np.rint((means - low) / step)
+        error = max(error, float(np.linalg.norm(low + step * grid[numbers] - corners, axis=1).max()))
         body["meshes"] = [*body["meshes"], len(meshes)]
-        kind = np.uint16 if len(grid) <= 0xFFFF else np.uint32
+        kind = np.uint16 if len(grid) <= 0x10000 else np.uint32
         texts = (base64.b64encode(each.tobytes()).decode() for each in (grid.astype(np.uint16), faces.astype(kind)))
-        meshes.append(dict(zip(("low", "step", "corners", "indices"), (low.tolist(), cell, *texts), strict=True)))
-    return meshes, cell * 3.0**0.5 / 2.0
+        meshes.append(dict(zip(("low", "step", "corners", "indices"), (low.tolist(), step, *texts), strict=True)))
+    return meshes, error
 
 
-def _clustered(corners: Floats, cell: float) -> tuple[Floats, Floats, Floats]:
-    low = corners.min(axis=0)
-    places = np.rint((corners - low) / cell).astype(np.int64)
+def _clustered(corners: Floats, cell: float) -> tuple[Any, Floats, Any]:
+    """Return of each corner the number of its cell, the mean (c, 3) of every cell's corners, and triangles of cells."""
+    places = np.floor((corners - corners.min(axis=0)) / cell).astype(np.int64)
     keys, numbers = np.unique((places[:, 0] << 32) | (places[:, 1] << 16) | places[:, 2], return_inverse=True)
-    faces = numbers.reshape(-1, 3)
-    a, b, c = faces.T
-    faces = faces[(a != b) & (b != c) & (c != a)]
-    grid = np.stack((keys >> 32, (keys >> 16) & 0xFFFF, keys & 0xFFFF), axis=1)
-    return low, grid, faces
+    counts = np.bincount(numbers, minlength=len(keys))
+    means = np.stack([np.bincount(numbers, part, len(keys)) / counts for part in corners.T], axis=1)
+    a, b, c = numbers.reshape(-1, 3).T
+    return numbers, means, numbers.reshape(-1, 3)[(a != b) & (b != c) & (c != a)]

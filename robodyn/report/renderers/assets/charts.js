@@ -80,7 +80,6 @@ requestAnimationFrame(() => setTimeout(() => {
         return [colour, label, `${short(low)}${most === low ? "" : ` to ${short(most)}`} ${look.unit}`];
       }));
     };
-    let telling = false;
     const u = new uPlot({
       ...room(),
       legend: { show: false },
@@ -109,11 +108,6 @@ requestAnimationFrame(() => setTimeout(() => {
             if (y >= u.bbox.top && y <= u.bbox.top + u.bbox.height) dashed(u, [u.bbox.left, y], [u.bbox.left + u.bbox.width, y], "bad");
           }
         }],
-        setCursor: [(u) => {
-          if (u.cursor.idx === null || u.cursor.left < 0) return;
-          tell(u.cursor.idx);
-          if (!telling) setTime(data[0][u.cursor.idx], self);
-        }],
         setScale: [(u, key) => {
           if (key !== "x" || shared.zooming) return;
           shared.zooming = true;
@@ -123,12 +117,14 @@ requestAnimationFrame(() => setTimeout(() => {
       },
     }, data, host);
     self.show = (t) => {
-      telling = true;
-      const left = u.valToPos(t, "x");
-      u.setCursor({ left: Math.min(Math.max(left, 0), u.over.clientWidth), top: 0 });
+      u.setCursor({ left: Math.min(Math.max(u.valToPos(t, "x"), 0), u.over.clientWidth), top: 0 });
       tell(nearest(data[0], t));
-      telling = false;
     };
+    u.over.addEventListener("mousemove", (event) => {
+      const idx = u.posToIdx(event.clientX - u.over.getBoundingClientRect().left);
+      tell(idx);
+      setTime(data[0][idx], self);
+    });
     self.zoom = (min, max) => u.setScale("x", { min, max });
     host.addEventListener("keydown", (event) => {
       const at = nearest(data[0], shared.time ?? data[0][0]), { min, max } = u.scales.x, step = banded ? 2 : 1;

@@ -147,27 +147,31 @@ function makeViewer(figure, stage, arrays, colours, onTime) {
     const raw = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer;
     const grid = new Uint16Array(raw(corners)), at = new Float32Array(grid.length);
     grid.forEach((value, k) => { at[k] = low[k % 3] + step * value; });
-    const faces = at.length / 3 > 65535 ? new Uint32Array(raw(indices)) : new Uint16Array(raw(indices));
+    const faces = at.length / 3 > 65536 ? new Uint32Array(raw(indices)) : new Uint16Array(raw(indices));
     return { ...solid(at, faces), low: low, corners: at };
   });
 
-  // The room that all robots take, by the corners of their meshes and their joints.
+  // The room that all robots take along the motion, by the corners of their meshes and their joints.
   const reach = (() => {
     let low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
     const take = (point) => {
       low = low.map((x, k) => Math.min(x, point[k]));
       high = high.map((x, k) => Math.max(x, point[k]));
     };
-    for (const robot of robots) {
-      const all = poses(robot, configuration(robot));
-      robot.bodies.forEach((body, k) => {
-        take(all[k].slice(12, 15));
-        take(moved(all[k], body.centre));
-        for (const mesh of body.meshes) {
-          const corners = meshes[mesh].corners, every = 3 * Math.ceil(corners.length / 600);
-          for (let i = 0; i + 2 < corners.length; i += every) take(moved(all[k], corners.subarray(i, i + 3)));
-        }
-      });
+    const [from, to] = span();
+    for (let moment = 0; moment <= (to > from ? 8 : 0); moment++) {
+      state.time = from + moment * (to - from) / 8;
+      for (const robot of robots) {
+        const all = poses(robot, configuration(robot));
+        robot.bodies.forEach((body, k) => {
+          take(all[k].slice(12, 15));
+          take(moved(all[k], body.centre));
+          for (const mesh of body.meshes) {
+            const corners = meshes[mesh].corners, every = 3 * Math.ceil(corners.length / 600);
+            for (let i = 0; i + 2 < corners.length; i += every) take(moved(all[k], corners.subarray(i, i + 3)));
+          }
+        });
+      }
     }
     const middle = low.map((x, k) => (x + high[k]) / 2);
     return { middle, size: Math.max(size(high.map((x, k) => x - low[k])), 1e-6), floor: low[2] };
@@ -383,9 +387,9 @@ function makeViewer(figure, stage, arrays, colours, onTime) {
     if (!state.picked) return;
     const [r, k] = state.picked, { robot } = now[r], body = robot.bodies[k];
     const element = (tag, text) => { const made = document.createElement(tag); made.textContent = text; return made; };
-    const number = (x) => Math.abs(x) < 1e-9 ? "0" : Number(x.toPrecision(5)).toString();
+    const number = (x, most = 1) => Math.abs(x) < 1e-7 * most ? "0" : Number(x.toPrecision(5)).toString();
     panel.append(element("h3", body.name));
-    panel.append(element("p", `${number(body.mass)} kg, mass centre (${body.centre.map(number).join(", ")}) m${body.words ? `; ${body.words}` : ""}`));
+    panel.append(element("p", `${number(body.mass)} kg, mass centre (${body.centre.map((x) => number(x)).join(", ")}) m${body.words ? `; ${body.words}` : ""}`));
     const share = useOf(robot, k);
     if (share >= 0) panel.append(element("p", `joint ${body.joint}: ${number(100 * share)} % of its limit now`));
     const { rows, sum } = freeBody(r, k);
@@ -401,7 +405,10 @@ function makeViewer(figure, stage, arrays, colours, onTime) {
       const row = content.insertRow(), name = element("th", what);
       name.scope = "row";
       row.append(name);
-      values.forEach((value) => row.append(element("td", number(value))));
+      values.forEach((value, k) => {
+        const column = rows.map((each) => Math.abs(each[k + 1]));
+        row.append(element("td", number(value, Math.max(...column))));
+      });
     }
     panel.append(table);
   }
