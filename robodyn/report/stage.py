@@ -29,7 +29,7 @@ _FINEST = 4000
 KINDS = {
     "torque": {"what": "joint torques and forces", "colour": "c6", "on": True},
     "reaction": {"what": "joint wrenches", "colour": "c1", "on": False},
-    "weight": {"what": "weights and mass centres", "colour": "c3", "on": False},
+    "weight": {"what": "weights", "colour": "c3", "on": False},
     "external": {"what": "external wrenches", "colour": "c8", "on": True},
     "contact": {"what": "contact forces and their cones", "colour": "c2", "on": True},
     "loop": {"what": "forces of loops", "colour": "c5", "on": False},
@@ -48,12 +48,13 @@ def stage(
     ellipsoids: bool = False,
     through: bool = False,
     loop: bool = False,
+    marks: Sequence[dict[str, Any]] = (),
 ) -> Stage:
-    """Return a view of robots, each of `robot`; shapes: of each by body (m, 3, 3) triangles in its frame.
+    """Return a view of robots, each of `robot` or `solid`; shapes: of each by body (m, 3, 3) triangles in its frame.
 
     Args:
         bars: draw bars from joint to joint also where there are meshes; ellipsoids, through: shown from the start.
-        loop: play a motion again and again.
+        loop: play a motion again and again; marks: each of `mark`.
     """
     meshes, error = _meshes(
         [
@@ -66,7 +67,9 @@ def stage(
     words += "Drag to turn, shift and drag to move, wheel or pinch to zoom; click a link for what acts on it."
     look = {"robots": [*robots], "meshes": meshes, "kinds": KINDS, "bars": bars, "ellipsoids": ellipsoids}
     names = ", ".join(printable(robot["name"]) for robot in robots)
-    return Stage(caption, f"The robot in 3-D: {names}", words, look | {"through": through, "loop": loop})
+    return Stage(
+        caption, f"The robot in 3-D: {names}", words, look | {"through": through, "loop": loop, "marks": [*marks]}
+    )
 
 
 def robot(
@@ -76,39 +79,67 @@ def robot(
     name: str = "",
     colour: str | None = None,
     alpha: float = 1.0,
-    lit: Iterable[str] = (),
+    lit: Mapping[str, str] | Iterable[str] = (),
     words: Mapping[str, str] | None = None,
 ) -> dict[str, Any]:
     """Return a robot of a stage with its `motion`s.
 
     Args:
-        colour, alpha: of all bodies, in place of that of their use of limits; lit: bodies in the colour of what is bad.
+        colour, alpha: of all bodies, in place of that of their use of limits; lit: bodies by name, each in a
+            colour of its own, or in that of what is bad.
         words: what is said of bodies when they are picked.
     """
-    bodies, lit = [_body(body) for body in model.bodies], set(lit)
+    bodies, colours = (
+        [_body(body) for body in model.bodies],
+        lit if isinstance(lit, Mapping) else dict.fromkeys(lit, "bad"),
+    )
     for body in bodies:
-        body |= {"lit": body["name"] in lit, "words": (words or {}).get(body["name"], "")}
+        body |= {"lit": colours.get(body["name"], ""), "words": (words or {}).get(body["name"], "")}
     return {"name": name or model.name, "bodies": bodies, "motions": [*motions], "colour": colour, "alpha": alpha}
 
 
 def _body(body: Body) -> dict[str, Any]:
     joint, inertia = body.joint, body.inertia
-    centre = [float(x) for x in inertia.centre_of_mass]
     found = {"name": body.name, "parent": body.parent, "joint": joint.name, "kind": joint.kind}
     found |= {"R": joint.R.ravel().tolist(), "p": joint.p.tolist(), "axis": joint.axis.tolist(), "q": joint.coordinate}
-    found |= {"ratio": joint.multiplier, "offset": joint.offset, "mass": float(inertia.m), "centre": centre}
-    return found | {"ellipsoid": _ellipsoid(body), "meshes": []}
+    found |= {"ratio": joint.multiplier, "offset": joint.offset, "meshes": []}
+    return found | _spread(float(inertia.m), inertia.centre_of_mass, inertia.about_centre)
 
 
-def _ellipsoid(body: Body) -> list[list[float]] | None:
-    """Return axes (row by row, as a rotation) and half-axes of the even ellipsoid with a body's mass and inertia."""
-    if not body.inertia.m > 0.0:
+def _spread(mass: float, centre: Any, about_centre: Any) -> dict[str, Any]:
+    found = {"mass": mass, "centre": [float(x) for x in centre]}
+    return found | {"ellipsoid": ellipsoid(mass, np.asarray(about_centre, dtype=float))}
+
+
+def ellipsoid(mass: float, inertia: Floats) -> list[list[float]] | None:
+    """Return axes (row by row, as a rotation) and half-axes of the even ellipsoid with a mass and an inertia about its
+    centre; None where there is none."""
+    if not mass > 0.0:
         return None
-    moments, axes = np.linalg.eigh(np.asarray(body.inertia.about_centre, dtype=float))
-    squares = 2.5 * (moments.sum() - 2.0 * moments) / float(body.inertia.m)
+    moments, axes = np.linalg.eigh(inertia)
+    squares = 2.5 * (moments.sum() - 2.0 * moments) / mass
     if not np.isfinite(squares).all() or squares.max() <= 0.0:
         return None
     return [axes.ravel().tolist(), np.sqrt(squares.clip(0.0)).tolist()]
+
+
+def solid(name: str, mass: float, centre: Any, about_centre: Any, place: Any = None, **look: Any) -> dict[str, Any]:
+    """Return a body that stands at a place, a rotation and an origin, as a robot; `look` as that of `robot`."""
+    R, p = place or (np.eye(3), np.zeros(3))
+    fixed = {"name": name, "parent": -1, "joint": "", "kind": "fixed", "lit": "", "words": look.pop("words", "")}
+    fixed |= {"R": np.asarray(R, dtype=float).ravel().tolist(), "p": [float(x) for x in p], "meshes": []}
+    body = fixed | _spread(mass, centre, about_centre)
+    rest = {"name": "", "time": None, "rows": None, "q": [], "rest": [], "use": [], "sliders": [], "arrows": []}
+    return {"name": name, "bodies": [body], "motions": [rest], "colour": None, "alpha": 1.0} | look
+
+
+def mark(
+    what: str, colour: str, pieces: Iterable[tuple[Any, Any, float]], alpha: float = 1.0, on: bool = True
+) -> dict[str, Any]:
+    """Return a thing that is drawn on demand: cylinders from a point along a vector, with a radius, in the axes of the
+    ground [m]: thin ones are lines, flat ones discs."""
+    listed = [([*map(float, at)], [*map(float, vector)], float(wide)) for at, vector, wide in pieces]
+    return {"what": what, "colour": colour, "pieces": listed, "alpha": alpha, "on": on}
 
 
 def motion(

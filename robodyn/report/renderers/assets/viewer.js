@@ -1,7 +1,7 @@
 // The robot in WebGL 2: bodies placed by their joints, arrows of what acts on them, one body picked and told in numbers.
 function makeViewer(figure, stage, arrays, colours, onTime) {
   const $ = (name) => figure.querySelector(`[data-part="${name}"]`);
-  const canvas = $("canvas"), gl = canvas.getContext("webgl2", { antialias: true, preserveDrawingBuffer: true });
+  const canvas = $("canvas"), gl = canvas.getContext("webgl2", { alpha: false, antialias: true, preserveDrawingBuffer: true });
   if (!gl) {
     $("message").textContent = "This browser has no WebGL 2, which draws the robot. The tables have all numbers.";
     return null;
@@ -57,8 +57,12 @@ function makeViewer(figure, stage, arrays, colours, onTime) {
 
   function configuration(robot) {
     const motion = motionOf(robot);
-    if (motion.time === null) {
-      return motion.rest.map((each, k) => state.sliders[k] ?? each);
+    if (motion.time === null) { // a slider may move coordinates of several robots, each in its own sense
+      const q = [...motion.rest];
+      for (const { q: k, of = k, sign = 1, offset = 0 } of motion.sliders) {
+        if (of in state.sliders) q[k] = sign * state.sliders[of] + offset;
+      }
+      return q;
     }
     const at = between(arrays[motion.time], state.time);
     return motion.q.map((ref) => typeof ref === "number" ? sample(arrays[ref], at) : ref[0]);
@@ -176,7 +180,7 @@ function makeViewer(figure, stage, arrays, colours, onTime) {
     const middle = low.map((x, k) => (x + high[k]) / 2);
     return { middle, size: Math.max(size(high.map((x, k) => x - low[k])), 1e-6), floor: low[2] };
   })();
-  const home = { yaw: 0.9, pitch: 0.35, distance: 1.25 * reach.size, target: [...reach.middle] };
+  const home = { yaw: 0.9, pitch: 0.35, distance: 1.5 * reach.size, target: [...reach.middle] };
   let eye = { ...home, target: [...home.target] };
 
   // How long arrows are: the longest force, and moment, of the whole motion is a quarter of the robot.
@@ -259,10 +263,11 @@ function makeViewer(figure, stage, arrays, colours, onTime) {
     return Math.abs(sample(arrays[use.values], between(arrays[motion.time], state.time))) / use.limit;
   }
   // Bodies: their meshes, or bars from joint to joint where there are none; `paint` gives the colour.
-  function drawBodies(paint) {
+  function drawBodies(paint, wanted = () => true) {
     const thin = 0.006 * reach.size;
     now.forEach(({ robot, all }, r) => robot.bodies.forEach((body, k) => {
       const [colour, alpha, shaded] = paint(robot, r, body, k);
+      if (!wanted(alpha)) return;
       for (const mesh of body.meshes) draw(all[k], meshes[mesh], colour, alpha, shaded);
       if (body.meshes.length && !stage.bars) return;
       const ends = robot.bodies.flatMap((child, c) => child.parent === k ? [all[c].slice(12, 15)] : []);
@@ -297,22 +302,16 @@ function makeViewer(figure, stage, arrays, colours, onTime) {
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
     const see = state.layers.through ? 0.35 : 1;
-    drawBodies((robot, r, body, k) => {
+    const paint = (robot, r, body, k) => {
       const picked = state.picked && state.picked[0] === r && state.picked[1] === k;
-      const colour = picked ? rgb("c1") : body.lit ? rgb("bad") : robot.colour ? rgb(robot.colour) : useColour(useOf(robot, k));
+      const colour = picked ? rgb("c1") : body.lit ? rgb(body.lit) : robot.colour ? rgb(robot.colour) : useColour(useOf(robot, k));
       return [colour, (robot.alpha ?? 1) * see, 1];
-    });
-    const thin = 0.008 * reach.size;
+    };
+    drawBodies(paint, (alpha) => alpha === 1);
+    const thin = 0.008 * reach.size, radius = 0.012 * reach.size;
     for (const { robot, all, arrows } of now) {
-      if (state.layers.inertia) robot.bodies.forEach((body, k) => {
-        if (!body.ellipsoid) return;
-        const [axes, half] = body.ellipsoid, own = place(axes, body.centre);
-        const M = product(all[k], own.map((x, i) => i < 12 ? x * half[i >> 2] : x));
-        draw(M, ball, rgb("c4"), 0.55);
-      });
-      if (state.layers.weight) robot.bodies.forEach((body, k) => {
-        const radius = 0.012 * reach.size;
-        if (body.mass) draw(along(moved(all[k], body.centre), [0, 0, 1], radius, radius), ball, rgb("c3"));
+      if (state.layers.centres) robot.bodies.forEach((body, k) => {
+        if (body.mass) draw(along(moved(all[k], body.centre), [0, 0, 1], radius, radius), ball, rgb(robot.colour ?? "c3"));
       });
       for (const arrow of arrows) {
         if (!state.layers[arrow.kind] || arrow.length < 1e-4 * reach.size) continue;
@@ -322,12 +321,32 @@ function makeViewer(figure, stage, arrays, colours, onTime) {
         if (arrow.moment) { // two heads: by the right-hand rule
           draw(along(add(arrow.from, times(unit, Math.max(0, arrow.length - 1.8 * tip))), unit, 0.5 * tip, tip), head, colour);
         }
-        if (arrow.cone) {
-          const [mu, ...normal] = arrow.cone, up = 0.12 * reach.size;
-          draw(along(add(arrow.from, times(normal, up)), times(normal, -1), mu * up, up), head, colour, 0.2);
-        }
       }
     }
+    const marks = stage.marks.filter(({ what }) => state.layers[what]), drawMarks = (wanted) => marks.filter(wanted).forEach(
+      ({ colour, alpha, pieces }) => pieces.forEach(([at, vector, wide]) => draw(along(at, vector, wide, size(vector)), shaft, rgb(colour), alpha)));
+    drawMarks(({ alpha }) => alpha === 1);
+    // What is seen through comes last, hides nothing, and gives way where a solid has the same surface.
+    gl.depthMask(false);
+    gl.enable(gl.POLYGON_OFFSET_FILL);
+    gl.polygonOffset(1, 1);
+    drawBodies(paint, (alpha) => alpha < 1);
+    gl.disable(gl.POLYGON_OFFSET_FILL);
+    drawMarks(({ alpha }) => alpha < 1);
+    for (const { robot, all, arrows } of now) {
+      if (state.layers.inertia) robot.bodies.forEach((body, k) => {
+        if (!body.ellipsoid) return;
+        const [axes, half] = body.ellipsoid, own = place(axes, body.centre);
+        const M = product(all[k], own.map((x, i) => i < 12 ? x * half[i >> 2] : x));
+        draw(M, ball, rgb(robot.colour ?? "c4"), 0.4);
+      });
+      for (const arrow of arrows) {
+        if (!state.layers[arrow.kind] || !arrow.cone) continue;
+        const [mu, ...normal] = arrow.cone, up = 0.12 * reach.size;
+        draw(along(add(arrow.from, times(normal, up)), times(normal, -1), mu * up, up), head, rgb(stage.kinds[arrow.kind].colour), 0.2);
+      }
+    }
+    gl.depthMask(true);
     gl.disable(gl.BLEND);
     $("clock").textContent = clockWords();
   }
@@ -464,16 +483,17 @@ function makeViewer(figure, stage, arrays, colours, onTime) {
   $("home").addEventListener("click", () => { eye = { ...home, target: [...home.target] }; redraw(); });
   const present = new Set(robots.flatMap((robot) => robot.motions.flatMap((motion) => motion.arrows.map((arrow) => arrow.kind))));
   const layers = [...Object.entries(stage.kinds).filter(([kind]) => present.has(kind)).map(([kind, { what, on }]) => [kind, what, on])];
+  if (robots.some((robot) => robot.bodies.some((body) => body.mass))) layers.push(["centres", "mass centres", Boolean(stage.ellipsoids)]);
   if (robots.some((robot) => robot.bodies.some((body) => body.ellipsoid))) layers.push(["inertia", "ellipsoids of inertia", Boolean(stage.ellipsoids)]);
-  layers.push(["through", "see through", Boolean(stage.through)]);
+  layers.push(["through", "see through", Boolean(stage.through)], ...stage.marks.map(({ what, on }) => [what, what, on]));
   for (const [kind, what, on] of layers) {
     const label = document.createElement("label"), box = document.createElement("input");
     Object.assign(box, { type: "checkbox", checked: on, value: kind });
     state.layers[kind] = on;
     box.addEventListener("change", () => { state.layers[kind] = box.checked; redraw(); });
-    const dot = document.createElement("i");
-    if (stage.kinds[kind]) dot.style.background = `var(--${stage.kinds[kind].colour})`;
-    label.append(box, dot, ` ${what}`);
+    const dot = document.createElement("i"), colour = (stage.kinds[kind] ?? stage.marks.find((mark) => mark.what === kind))?.colour;
+    dot.style.background = `var(--${colour})`;
+    label.append(box, ...(colour ? [dot] : []), ` ${what}`);
     $("layers").append(label);
   }
   robots.forEach((robot, r) => robot.bodies.forEach((body, k) => {
@@ -488,9 +508,14 @@ function makeViewer(figure, stage, arrays, colours, onTime) {
     const [from, to] = span();
     Object.assign($("time"), { min: from, max: to });
     rescale();
+    showSliders();
     setTime(from);
   });
-  for (const slider of robots[0].motions[0].sliders ?? []) {
+  function showSliders() {
+    state.sliders = {};
+    $("sliders").replaceChildren(...(motionOf(robots[0]).sliders ?? []).map(sliderOf));
+  }
+  function sliderOf(slider) {
     const label = document.createElement("label"), input = document.createElement("input"), output = document.createElement("output");
     const show = (value) => { output.textContent = `${Number(value.toPrecision(4))} ${slider.unit}`; };
     Object.assign(input, { type: "range", min: slider.lower, max: slider.upper, step: "any", value: slider.value });
@@ -502,8 +527,9 @@ function makeViewer(figure, stage, arrays, colours, onTime) {
     });
     show(slider.value);
     label.append(slider.name, input, output);
-    $("sliders").append(label);
+    return label;
   }
+  showSliders();
 
   const fingers = new Map();
   let far = 0;
