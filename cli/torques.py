@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from robodyn.scene.scene import Scene
 
 _EXECUTOR = "numpy starts at once, compiled makes machine code; default auto: the quicker."
+MOST = 8
+"""Motions that one report lays over each other."""
 _GROUPS = {
     "The robot and what surrounds it": "package-path xacro-arg trust-xacro scene payload gravity base-held",
     "The trajectory": "hold map time-unit angle-unit derivatives encoder-error topic ignore-extra example",
@@ -96,6 +98,7 @@ def command(
       robodyn torques robots/scara.urdf robots/scara_pick_and_place.csv --out tau.csv
       robodyn torques robots/puma560.urdf robots/puma560_sweep.csv --report puma.html
       robodyn torques robots/puma.urdf 'runs/*.parquet' --out results/
+      robodyn torques robots/puma.urdf before.csv after.csv --report both.html
       robodyn torques robots/puma.urdf motion.csv --example --report puma.html
       robodyn torques robots/puma560.urdf log.db3 --measured --report measured.html
     """
@@ -137,6 +140,8 @@ def command(
         from robodyn.dynamics.momenta import GROUND, View
 
         loads["momentum"] = View("origin" if about is None else about, GROUND if frame is None else frame)
+    if many and call.report and not call.out:
+        return _compared(call, urdf, trajectories, loads)
     if many:
         from robodyn.cli.torques_batch import run_batch
 
@@ -200,6 +205,23 @@ def _single(call: Call, urdf: str, trajectory: str, loads: dict[str, Any], examp
     answer(call, sections, document, lines, last=verdict_section(result), json=json)
     unmet = result.accuracy is not None and not result.accuracy.met
     return int(unmet or (call.fail_on_limits and result.within_limits is False))
+
+
+def _compared(call: Call, urdf: str, trajectories: tuple[str, ...], loads: dict[str, Any]) -> int:
+    from robodyn.loads.torques import torques
+    from robodyn.report.torques_page import compared_page, compared_sections
+    from robodyn.trajectory.read import read_motion
+
+    refuse_where((len(trajectories) > MOST, f"--report lays at most {MOST} motions over each other"))
+    model, scene = robot_in_scene(call, urdf, loops=True, contacts=True)
+    results = []
+    for name in trajectories:
+        expect(TABLE, name)
+        with read_motion(name, model, scene, **call.reading) as reader:
+            results.append((name, torques(model, reader, scene, history=call.pictured, **loads)))
+    answer(call, compared_sections(results), lambda pictures: compared_page(results, model, scene, pictures))
+    exceeded = any(result.within_limits is False for _, result in results)
+    return int(call.fail_on_limits and exceeded)
 
 
 def _write_example(path: str, model: Model, scene: Scene) -> None:

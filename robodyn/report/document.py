@@ -190,7 +190,7 @@ def data_blocks(files: Iterable[tuple[str, str]], instead: str) -> list[Block]:
             small.append(Download(name, _KINDS[name.rpartition(".")[2]], text))
         else:
             notes.append(f"{name} has {size / 1e6:.1f} MB, too much for this page: {instead}.")
-    return [Heading("Data"), Downloads(tuple(small), tuple(notes))]
+    return [Heading("Data"), Downloads(tuple(small), tuple(notes))] if small or notes else []
 
 
 def csv_text(head: Sequence[str], rows: Sequence[Sequence[object]]) -> str:

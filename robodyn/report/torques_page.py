@@ -274,3 +274,64 @@ def _motor_charts(result: Result, model: Model, scene: Scene, course: Course) ->
                 time=course.frames["time"],
             ),
         )
+
+
+def compared_sections(results: Sequence[tuple[str, Result]]) -> Iterator[doc.Section]:
+    """Yield peak, RMS and largest speed of every joint in every run, each run's verdict last."""
+    first = results[0][1]
+    for title, key, unit_of in (
+        ("Peak of every joint", "peak", lambda joint: joint.unit),
+        ("RMS of every joint", "rms", lambda joint: joint.unit),
+        ("Largest speed of every joint", "max_speed", lambda joint: speed_unit(joint.unit)),
+    ):
+        rows = []
+        for k, joint in enumerate(first.joints):
+            values = [getattr(result.joints[k], key) for _, result in results]
+            most = max(map(abs, values))
+            rows.append((joint.name, *(number(value, most) for value in values), unit_of(joint)))
+        yield [doc.Table(title, ("joint", *(name for name, _ in results), ""), rows)]
+    yield doc.paragraphs([f"{printable(name)}: {torques_verdict(result).headline}." for name, result in results])
+
+
+def compared_page(results: Sequence[tuple[str, Result]], model: Model, scene: Scene, pictures: bool) -> doc.Document:
+    """Return runs of one robot laid over each other: robots and curves in the colour of their run."""
+    levels = ("bad", "doubtful", "neutral", "good")
+    verdicts = [(name, torques_verdict(result)) for name, result in results]
+    worst = min((verdict.level for _, verdict in verdicts), key=levels.index)
+    words = tuple(f"{printable(name)}: {verdict.headline}." for name, verdict in verdicts)
+    blocks: list[doc.Block] = [doc.Verdict(worst, f"{len(results)} runs of {printable(model.name)}", words)]
+    courses = [Course(result.history.motion) for _, result in results if pictures and result.history is not None]
+    if courses:
+        size = result_sizes(results[0][1])
+        shapes, why = stage.shapes_of_bodies(model)
+        robots = [
+            stage.robot(
+                model,
+                [motion_of(course, result, model, scene)],
+                name=name,
+                colour=f"c{k}",
+                alpha=1.0 if k == 1 else 0.5,
+            )
+            for k, ((name, result), course) in enumerate(zip(results, courses, strict=True), start=1)
+        ]
+        blocks += [
+            stage.stage("The runs over each other", robots, [shapes] * len(robots)),
+            *doc.paragraphs([why] if why else []),
+        ]
+        time = np.unique(np.concatenate([course.frames["time"] for course in courses]))
+        charts = []
+        for joint in results[0][1].joints:
+            for key, unit in (("tau", joint.unit), ("qd", speed_unit(joint.unit))):
+                curves = {}
+                for (name, _), course in zip(results, courses, strict=True):
+                    own, values = course.frames["time"], course.frames[f"{key}_{joint.name}"]
+                    curves[printable(name)] = np.interp(time, own, values, np.nan, np.nan)
+                if any(not is_noise(float(np.nanmax(np.abs(values))), size[unit]) for values in curves.values()):
+                    what = "speed" if key == "qd" else "force" if unit == "N" else "torque"
+                    caption = f"{printable(joint.name)}: {what} [{unit}]"
+                    charts.append(
+                        time_chart(caption, f"{what} of {printable(joint.name)} in every run", time, curves, unit)
+                    )
+        blocks += doc.titled("Along the motions", doc.gallery(charts))
+    what = f"Torques along {count(len(results), 'motion')}, {gravity_text(scene.gravity)}"
+    return doc.page(model.name, what, blocks, compared_sections(results), "Loads", [], "")

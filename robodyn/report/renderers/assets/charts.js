@@ -262,7 +262,7 @@ requestAnimationFrame(() => setTimeout(() => {
     const chart = look.kind === "time" ? timeChart(figure, look) : planeChart(figure, look);
     made.set(figure, chart);
     shared.charts.push(chart);
-    if (shared.time !== null && chart.show) chart.show(shared.time);
+    if (shared.time !== null && chart.show) setTimeout(() => chart.show(shared.time)); // uPlot lays itself out first
   }
   const waiting = new IntersectionObserver((entries) => entries.forEach((entry) => {
     if (entry.isIntersecting) make(entry.target);
