@@ -330,10 +330,11 @@ SCENE = together(
     option("--gravity X,Y,Z", "m/s^2 in the base frame; default 0,0,-9.81.", vector_type("0,0,-9.81")),
 )
 BASE_HELD = option("--base-held", "The base is bolted down, or something carries it: do not warn.")
+REPORT_OUT = Output("a report", _report)
 REPORT = option(
     "--report FILE",
     "Write a report for people: .html with plots and data in one file, or .md for a pull request.",
-    Output("a report", _report),
+    REPORT_OUT,
 )
 AT = option("--at Q", "Joint values in order, or JOINT=Q,...; the rest 0.", VALUES)
 QD = option("--qd QD", "Velocities, likewise; default at rest.", VALUES)

@@ -8,13 +8,13 @@ import shlex
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from math import fsum, inf
+from math import fsum
 
 import numpy as np
 
 from robodyn.checks.check import Checked, Options, check_description, tasks_for
 from robodyn.programs.vectors import Array, narrowed, product
-from robodyn.robot.kinematics import beyond_limits, body_poses, configuration
+from robodyn.robot.kinematics import beyond_limits, body_poses, configuration, nearest_to_zero
 from robodyn.robot.load import assemble, load_description
 from robodyn.robot.model import Model
 from robodyn.robot.urdf.parts import Description, Geometry, Joint
@@ -109,10 +109,7 @@ def overview(
         path, package_paths=options.package_path, xacro_args=xacro_args, trust_xacro=trust_xacro
     )
     model = assemble(description)
-    at = {}
-    for joint in (joint for joint in model.independent if joint.kind != "floating"):
-        lower, upper = -inf if joint.lower is None else joint.lower, inf if joint.upper is None else joint.upper
-        at[joint.name] = min(max(0.0, lower), upper) if lower <= upper else 0.0
+    at = nearest_to_zero(model)
     uses = [(link.name, each) for link in description.links for each in link.geometries if each.filename is not None]
     first = {use[1].filename or "": use for use in reversed(uses)}
     missing = [use for use in uses if first[use[1].filename or ""] is use]
@@ -124,7 +121,7 @@ def overview(
         name=description.name,
         file=description.file,
         base=model.bodies[0].name,
-        branches=tuple(_branches(description)),
+        branches=tuple(branches(description)),
         massive=len(description.massive),
         types=dict(Counter(joint.type for joint in description.joints).most_common()),
         mimics=sum(joint.mimic is not None for joint in description.joints),
@@ -157,7 +154,8 @@ def _centre(
     return mass, com, beyond_limits(model, q)
 
 
-def _branches(description: Description) -> Iterator[Branch]:
+def branches(description: Description) -> Iterator[Branch]:
+    """Yield the links, depth first and in the order of the file."""
     links = {link.name: link for link in description.links}
     carried: dict[str, list[Joint]] = {}
     for joint in description.joints:

@@ -303,12 +303,7 @@ def overview_sections(found: Overview) -> Iterator[doc.Section]:
         centre = f", centre of mass {point} m in the frame of {shown(found.base)}, {where}"
     mass = f"mass: {number(found.mass)} kg{centre}"
     yield doc.paragraphs([*lines, freedoms, mass, *(f"note: {note}" for note in found.notes)])
-    deepest = max(branch.depth for branch in branches)
-    step = 2 if deepest <= _DEEPEST // 2 else 1
-    rows = [_row(branch, min(branch.depth * step, _DEEPEST)) for branch in branches]
-    head = ["link", "mass [kg]", "joint", "type", "axis", "lower", "upper", "effort", "velocity", "mimics"]
-    kept = [k for k in range(len(head)) if k < 2 or any(row[k] for row in rows)]
-    yield [doc.Table("", [head[k] for k in kept], [[row[k] for k in kept] for row in rows])]
+    yield [tree_table(branches)]
     meshes = found.meshes
     missing = len(meshes.missing)
     lines = (
@@ -322,6 +317,15 @@ def overview_sections(found: Overview) -> Iterator[doc.Section]:
     yield doc.paragraphs([*lines, f"check: {check_line(found.checked)}"])
     if found.next:
         yield doc.paragraphs(["next:", *(f"  {command}" for command in found.next)])
+
+
+def tree_table(branches: Sequence[Branch], caption: str = "") -> doc.Table:
+    """Return links with the joints that carry them."""
+    step = 2 if max(branch.depth for branch in branches) <= _DEEPEST // 2 else 1
+    rows = [_row(branch, min(branch.depth * step, _DEEPEST)) for branch in branches]
+    head = ["link", "mass [kg]", "joint", "type", "axis", "lower", "upper", "effort", "velocity", "mimics"]
+    kept = [k for k in range(len(head)) if k < 2 or any(row[k] for row in rows)]
+    return doc.Table(caption, [head[k] for k in kept], [[row[k] for k in kept] for row in rows])
 
 
 def _row(branch: Branch, indent: int) -> list[str]:

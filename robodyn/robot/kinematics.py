@@ -4,6 +4,7 @@ configuration is: values of coordinates by name, limits that it exceeds, where t
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from math import inf
 from typing import NamedTuple
 
 import numpy as np
@@ -199,6 +200,15 @@ def configuration(model: Model, values: Values = ()) -> Floats:
         if not q[k : k + 4].any():
             raise InputError(f"the quaternion of joint {shown(joint)} is zero", remedy="give four numbers, w last")
     return q
+
+
+def nearest_to_zero(model: Model) -> dict[str, float]:
+    """Return each joint that has one coordinate at zero, or at its limit nearest to zero [rad or m]."""
+    at = {}
+    for joint in (joint for joint in model.independent if joint.kind != "floating"):
+        lower, upper = -inf if joint.lower is None else joint.lower, inf if joint.upper is None else joint.upper
+        at[joint.name] = min(max(0.0, lower), upper) if lower <= upper else 0.0
+    return at
 
 
 def unit_rows(model: Model, states: Floats) -> Floats:
