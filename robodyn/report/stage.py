@@ -12,7 +12,7 @@ import numpy as np
 from robodyn.errors import MeshError
 from robodyn.programs.vectors import product, rotation_from_rpy
 from robodyn.report.document import Stage
-from robodyn.report.table import number, printable
+from robodyn.report.table import printable
 from robodyn.robot.model import Body, Model
 from robodyn.scene.scene import Contact, ExternalWrench, Scene
 from robodyn.solids.mesh.read.load import load_triangles
@@ -63,7 +63,7 @@ def stage(
             for body, part in ((robot["bodies"][k], part) for k, part in each.items())
         ]
     )
-    words = f"Meshes are drawn to within {number(1000.0 * error)} mm. " if meshes else ""
+    words = f"Meshes are drawn to within {1000.0 * error:.2g} mm. " if meshes else ""
     words += "Drag to turn, shift and drag to move, wheel or pinch to zoom; click a link for what acts on it."
     look = {"robots": [*robots], "meshes": meshes, "kinds": KINDS, "bars": bars, "ellipsoids": ellipsoids}
     names = ", ".join(printable(robot["name"]) for robot in robots)

@@ -201,7 +201,7 @@ function makeViewer(figure, stage, arrays, colours, onTime) {
     for (const unit of ["N", "N m"]) scales[unit] = 0.25 * reach.size / (longest(unit) || 1);
     const shown = (unit) => Number((0.1 / scales[unit]).toPrecision(3));
     const words = [...new Set(robots.flatMap((robot) => motionOf(robot).arrows.map((arrow) => arrow.moment ? "N m" : "N")))];
-    $("scale").textContent = words.sort().map((unit) => `0.1 m of arrow: ${shown(unit)} ${unit}`).join("; ");
+    $("scale").textContent = words.sort().map((unit) => `0.1 m of arrow: ${shown(unit)} ${unit}`).join("; ") + (words.length ? "." : "");
   }
 
   function arrowsOf(robot, all) {
