@@ -81,7 +81,7 @@ class Stage:
 
 @dataclass(frozen=True)
 class Bars:
-    """Rows of a name, bars (label, from, to, colour of the page) in percent, and words."""
+    """Rows of a name, bars (label, from, to, colour of the page) in percent, and words in place of the labels."""
 
     caption: str
     rows: Sequence[tuple[str, Sequence[tuple[str, float, float, str]], str]]

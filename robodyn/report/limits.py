@@ -104,9 +104,8 @@ def use_bars(result: Result) -> list[Block]:
     for k, load in enumerate(result.joints):
         shares = uses(load, result.sizing.joints[k] if result.sizing else None)
         if shares:
-            bars = [(what, 0.0, min(share, 100.0), _colour(share)) for share, what in shares]
-            words = ", ".join(f"{_percent(share)} of {what}" for share, what in shares)
-            rows.append((max(share for share, _ in shares), load.name, bars, words))
+            bars = [(f"{_percent(share)} of {what}", 0.0, min(share, 100.0), _colour(share)) for share, what in shares]
+            rows.append((max(share for share, _ in shares), load.name, bars, ""))
     ordered = [row[1:] for row in ranked(rows, key=lambda row: row[0])]
     return [Bars("How much of its limits each joint uses", ordered)] if ordered else []
 

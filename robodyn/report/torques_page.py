@@ -200,8 +200,11 @@ def _share_bars(joints: Sequence[JointLoad]) -> list[doc.Block]:
     for joint in joints:
         shares = [(name, 100.0 * share / joint.peak) for name, share in joint.shares.items()]
         shown = [(name, share) for name, share in shares if abs(share) >= 0.1]
-        bars = [(name, 0.0, min(abs(share), 100.0), "bad" if share < 0.0 else "c1") for name, share in shown]
-        rows.append((joint.name, bars, ", ".join(f"{name} {share:.3g} %" for name, share in shown)))
+        bars = [
+            (f"{name} {share:.3g} %", 0.0, min(abs(share), 100.0), "bad" if share < 0.0 else "c1")
+            for name, share in shown
+        ]
+        rows.append((joint.name, bars, ""))
     note = "Red bars lessen the peak."
     return [doc.Bars("Share of each effect in the peak", rows, note)] if rows else []
 

@@ -152,7 +152,8 @@ def _block(block: doc.Block) -> str:
             found.append(f"- {_SIGNS[level]} **{escaped(title)}**\n" + "".join(f"\n{each}\n" for each in shown))
         return "\n".join(found)
     if isinstance(block, doc.Bars):
-        lines = [f"- {escaped(name)}: {escaped(words)}" for name, _, words in block.rows]
+        said = [(name, words or ", ".join(label for label, *_ in bars)) for name, bars, words in block.rows]
+        lines = [f"- {escaped(name)}: {escaped(words)}" for name, words in said]
         return "\n".join([f"**{escaped(block.caption)}**", "", *lines])
     if not isinstance(block, doc.Table):
         return ""

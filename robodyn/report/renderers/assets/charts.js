@@ -41,7 +41,7 @@ requestAnimationFrame(() => setTimeout(() => {
     }));
   }
   const axes = (across, up, log) => [across, up].map((label, k) => ({
-    stroke: style("ink"), label: k ? undefined : label, labelSize: 22, size: k ? 62 : 34, font: "12px system-ui, sans-serif",
+    stroke: () => style("ink"), label: label ?? undefined, labelSize: k ? 18 : 22, size: k ? 58 : 34, font: "12px system-ui, sans-serif",
     labelFont: "12px system-ui, sans-serif", grid: { stroke: style("grid"), width: 1 }, ticks: { stroke: style("grid"), width: 1 },
     values: (_, ticks) => ticks.map((tick) => tick === null ? "" : log && Math.log10(tick) % 1 ? "" : short(tick).replace("-", "\u2212")),
     space: k ? 34 : 60,
@@ -89,7 +89,7 @@ requestAnimationFrame(() => setTimeout(() => {
         const least = Math.min(low, ...near), top = Math.max(high, ...near), gap = 0.06 * (top - least || Math.abs(top) || 1);
         return [least - gap, top + gap];
       } } },
-      axes: axes("time [s]", look.unit, false),
+      axes: axes("time [s]", null, false),
       series: [{}, ...look.series.map(({ label, colour, held }) => ({
         label, stroke: () => style(colour), width: 1.5, points: { show: data[0].length === 1 },
         paths: held ? uPlot.paths.stepped({ align: 1 }) : undefined,
@@ -139,7 +139,7 @@ requestAnimationFrame(() => setTimeout(() => {
       event.preventDefault();
     });
     readout(figure, "", look.series.map(({ label, colour }) => [colour, label, ""]));
-    self.redraw = () => { Object.assign(u.axes[0], { stroke: () => style("ink") }); u.redraw(false, true); };
+    self.redraw = () => { u.redraw(false, true); };
     return Object.assign(self, { u, tell });
   }
 
