@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from itertools import cycle
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -81,6 +82,8 @@ def plane_chart(
     lines: Mapping[str, tuple[Floats, Floats]] | None = None,
     marks: Sequence[tuple[float, float, str, str]] = (),
     colours: Mapping[str, str] | None = None,
+    names: Mapping[str, Sequence[str]] | None = None,
+    spans: Sequence[tuple[float, float, str]] = (),
     time: Floats | None = None,
     log: bool = False,
     equal: bool = False,
@@ -90,14 +93,16 @@ def plane_chart(
     Args:
         dots, lines: by label (N,) across and up; lines end at nan and go on behind it.
         marks: (across, up, word, colour) of single points, told when they are hovered.
-        colours: by label; those of curves in turn without.
+        colours: by label; those of curves in turn without. names: by label those of its dots.
+        spans: (from, to, word) across that are shaded.
         time: (N,) of the first dots [s], so that the cursor in time is shown among them.
         log: whether both axes are logarithmic; equal: whether both have one scale.
     """
-    series, chosen = [], iter(COLOURS)
+    series, chosen = [], cycle(COLOURS)
     for style, group in (("dots", dots or {}), ("line", lines or {})):
         for label, (x, y) in group.items():
             colour = (colours or {}).get(label) or next(chosen)
-            series.append({"label": label, "colour": colour, "x": x, "y": y, "style": style})
+            each = {"label": label, "colour": colour, "x": x, "y": y, "style": style}
+            series.append(each | {"names": (names or {}).get(label)})
     look = {"kind": "plane", "across": across, "up": up, "series": series, "marks": [*marks], "time": time}
-    return Chart(caption, alt, look | {"log": log, "equal": equal})
+    return Chart(caption, alt, look | {"spans": [*spans], "log": log, "equal": equal})

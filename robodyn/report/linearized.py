@@ -7,10 +7,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import ceil, inf, log10, pi
 
+import numpy as np
+
 from robodyn.equations.linearized.linearize import Linearized
 from robodyn.equations.linearized.modes import Mode
 from robodyn.equations.ode import units_of
 from robodyn.report import document as doc
+from robodyn.report.charts import plane_chart
 from robodyn.report.limits import exceeded_words
 from robodyn.report.table import number
 from robodyn.support.floats import first_largest
@@ -19,11 +22,16 @@ from robodyn.support.wording import count
 _SAME = 0.1
 """Of half a turn: how far a phase may be from in step or against."""
 _PICTURED = 12
-"""Modes that have pictures, the slowest."""
+"""Modes that move in the page, the slowest."""
+_PRINTED = 60
+"""States of which a page has A and B as tables, at most."""
+_TURN, _SHIFT = 0.35, 0.15
+"""rad, and parts of the robot's size: how far the joints go at most in the picture of a mode."""
+_FAR = 1e300
 
 
-def linearized_sections(found: Linearized) -> Iterator[doc.Section]:
-    """Yield the state and what holds it, the modes, A and B where they are small enough to be read, and the verdict."""
+def linearized_sections(found: Linearized, tabled: int = 16) -> Iterator[doc.Section]:
+    """Yield the state and what holds it, the modes, A and B of at most so many states, and the verdict."""
     verdict, modes = stability(found), found.modes.modes
     how = "an equilibrium" if found.balanced else "the state given"
     sizes = f"{count(len(found.states), 'state')}, {count(len(found.inputs), 'input')}"
@@ -59,7 +67,7 @@ def linearized_sections(found: Linearized) -> Iterator[doc.Section]:
     note = f"Eigenvalues are within {above} /s. What moves: rad or m of each joint per 1 of the first."
     head = ("mode", "frequency [Hz]", "damping ratio", "time constant [s]", "eigenvalue [1/s]", "what moves")
     yield [doc.Table("Modes, the slowest first", head, rows, note)]
-    if len(found.states) > 16:
+    if len(found.states) > tabled:
         yield doc.paragraphs(["A and B are in --out FILE.npz and --format json."])
     elif found.states:
         law = "x' = A x + B u" if found.step is None else f"x(t + {found.step:.6g} s) = A x(t) + B u"
@@ -74,25 +82,84 @@ def linearized_sections(found: Linearized) -> Iterator[doc.Section]:
 
 
 def linearized_page(found: Linearized, pictures: bool = True) -> doc.Document:
-    """Return the same as a page, with pictures of the modes, and A and B as data."""
+    """Return whether it is stable, its modes moving, their poles, and A and B in full."""
     blocks: list[doc.Block] = [stability(found)]
-    if pictures:
-        from robodyn.report.pictures.robot import mode_figure
+    modes = found.modes.modes
+    if pictures and modes:
+        from robodyn.report import stage
 
-        modes, figures = found.modes.modes, []
-        for k, mode in enumerate(modes[:_PICTURED]):
-            what = _kind(mode)
-            if mode.oscillates:
-                what = f"{mode.frequency:.4g} Hz, damping ratio {mode.damping_ratio:.3g}"
-            elif not mode.undecided:
-                what = f"{what}, time constant {mode.time_constant:.4g} s"
-            said = f"{what}: {moves(found.model.rates, mode)}"
-            figures.append(mode_figure(found.model, found.q, mode.shape, said, f"mode {k}"))
-        some = [f"The slowest {_PICTURED} of {len(modes)} modes."] if len(modes) > _PICTURED else []
-        blocks += [doc.Heading("Mode shapes"), *doc.paragraphs(some), doc.Gallery(tuple(figures))]
+        shapes, why = stage.shapes_of_bodies(found.model)
+        size = found.model.reach or 1.0
+        shown = stage.robot(found.model, [_swing(found, k, size) for k in range(min(len(modes), _PICTURED))])
+        words = (
+            f"The robot in its modes, enlarged to {_TURN} rad or {number(_SHIFT * size)} m at most and slowed to 5 s; "
+            "time is that of the mode"
+        )
+        some = [f"The slowest {_PICTURED} of {len(modes)} modes move."] if len(modes) > _PICTURED else []
+        blocks += [doc.Heading("Modes"), stage.stage(words, [shown], [shapes], loop=True)]
+        blocks += [*doc.paragraphs([*some, *([why] if why else [])]), _pole_map(found)]
     files, how = [("linear.json", linearized_json(found))], "robodyn linearize --format json prints it"
     what = "Linear equations near a state, and modes"
-    return doc.page(found.robot, what, blocks, linearized_sections(found), "Mode", files, how)
+    *sections, _ = linearized_sections(found, _PRINTED)  # the last is the verdict
+    return doc.page(found.robot, what, blocks, sections, "Mode", files, how)
+
+
+def _named(found: Linearized, k: int) -> str:
+    mode, what = found.modes.modes[k], _kind(found.modes.modes[k])
+    if mode.oscillates:
+        what = f"{mode.frequency:.4g} Hz, damping ratio {mode.damping_ratio:.3g}"
+    elif not mode.undecided:
+        what = f"{what}, time constant {mode.time_constant:.4g} s"
+    return f"mode {k + 1}: {what}; {moves(found.model.rates, mode)}"
+
+
+def _pole_map(found: Linearized) -> doc.Chart:
+    """Return the eigenvalues in the complex plane, by whether they decay; the half where they grow is shaded."""
+    groups: dict[str, list[tuple[float, float, str]]] = {}
+    for k, mode in enumerate(found.modes.modes):
+        group = "neither" if mode.undecided else "grows" if mode.real > 0.0 else "decays"
+        for imag in (mode.imag, -mode.imag)[: 1 + mode.oscillates]:
+            groups.setdefault(group, []).append((0.0 if mode.undecided else mode.real, imag, _named(found, k)))
+    parts = [(mode.real, mode.imag) for mode in found.modes.modes]
+    alt = f"Eigenvalues of A in the complex plane: {', '.join(f'{len(each)} {how}' for how, each in groups.items())}; "
+    alt += f"real parts {number(min(parts)[0])} to {number(max(parts)[0])} 1/s, "
+    alt += f"imaginary parts up to {number(max(imag for _, imag in parts))} rad/s"
+    columns = {how: [*zip(*each, strict=True)] for how, each in groups.items()}
+    return plane_chart(
+        "Poles: eigenvalues of A; where the plane is shaded, modes grow",
+        alt,
+        "real part [1/s]",
+        "imaginary part [rad/s]",
+        dots={how: (np.array(x), np.array(y)) for how, (x, y, _) in columns.items()},
+        names={how: names for how, (*_, names) in columns.items()},
+        colours={"decays": "good", "grows": "bad", "neither": "doubtful"},
+        spans=[(0.0, _FAR, "grows")],
+    )
+
+
+def _swing(found: Linearized, k: int, size: float) -> dict[str, object]:
+    """Return the motion of a mode by itself, so large that it can be seen: some periods, or four time constants."""
+    from robodyn.dynamics.loops.closure import moved
+    from robodyn.report import stage
+
+    mode, model = found.modes.modes[k], found.model
+    most = np.full(model.n, _TURN)
+    for joint in model.independent:
+        if joint.kind != "revolute":
+            most[slice(joint.rate + 3, joint.rate + 6) if joint.kind == "floating" else joint.rate] = _SHIFT * size
+    far = np.abs(mode.shape) / most
+    first = mode.shape[int(np.argmax(far >= far.max() * (1.0 - 1e-6)))]
+    way = np.array(mode.shape) * np.conj(first) / ((abs(first) or 1.0) * (far.max() or 1.0))
+    rate = complex(0.0 if mode.undecided else mode.real, mode.imag if mode.oscillates else 0.0)
+    if mode.oscillates:
+        period = 2.0 * pi / mode.imag
+        time = np.linspace(0.0, period * ceil(min(max(2.0 * mode.time_constant / period, 2.0), 5.0)), 241)
+    else:
+        time = np.linspace(0.0, 1.0 if mode.undecided else 4.0 * mode.time_constant, 61)
+    course = np.exp(rate * time) if rate else np.linspace(-1.0, 1.0, len(time)) + 0j  # what nothing holds goes on
+    steps = np.outer(course / np.abs(course).max(), way).real
+    q = np.array([moved(model, found.q.tolist(), step.tolist()) for step in steps], dtype=float).T
+    return stage.motion(_named(found, k), time, [each if np.ptp(each) else [float(each[0])] for each in q])
 
 
 def stability(found: Linearized) -> doc.Verdict:

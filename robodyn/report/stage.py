@@ -54,7 +54,7 @@ def stage(
 
     Args:
         bars: draw bars from joint to joint also where there are meshes; ellipsoids, through: shown from the start.
-        loop: play a motion again and again; marks: each of `mark`.
+        loop: play a motion again and again, in 5 s each; marks: each of `mark`.
     """
     meshes, error = _meshes(
         [

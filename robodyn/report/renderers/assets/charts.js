@@ -43,7 +43,10 @@ requestAnimationFrame(() => setTimeout(() => {
   const axes = (across, up, log) => [across, up].map((label, k) => ({
     stroke: () => style("ink"), label: label ?? undefined, labelSize: k ? 18 : 22, size: k ? 58 : 34, font: "12px system-ui, sans-serif",
     labelFont: "12px system-ui, sans-serif", grid: { stroke: style("grid"), width: 1 }, ticks: { stroke: style("grid"), width: 1 },
-    values: (_, ticks) => ticks.map((tick) => tick === null ? "" : log && Math.log10(tick) % 1 ? "" : short(tick).replace("-", "\u2212")),
+    values: (_, ticks) => {
+      const decades = (tick) => tick !== null && Math.log10(tick) % 1 === 0, few = ticks.filter(decades).length < 3;
+      return ticks.map((tick) => tick === null || log && !few && !decades(tick) ? "" : short(tick).replace("-", "\u2212"));
+    },
     space: k ? 34 : 60,
   }));
   // The chart's own look on top of uPlot's: what is drawn behind and before curves.
@@ -62,6 +65,14 @@ requestAnimationFrame(() => setTimeout(() => {
     ctx.stroke();
     ctx.restore();
   }
+
+  const shade = (look) => (u) => {
+    for (const [from, to] of look.spans) {
+      const left = u.valToPos(Math.max(from, u.scales.x.min), "x", true), right = u.valToPos(Math.min(to, u.scales.x.max), "x", true);
+      u.ctx.fillStyle = style("grid");
+      if (right > left) u.ctx.fillRect(left, u.bbox.top, right - left, u.bbox.height);
+    }
+  };
 
   function timeChart(figure, look) {
     const host = figure.querySelector(".plot"), x = arrays[look.x], banded = look.series.some((each) => each.high !== null);
@@ -95,13 +106,7 @@ requestAnimationFrame(() => setTimeout(() => {
         paths: held ? uPlot.paths.stepped({ align: 1 }) : undefined,
       }))],
       hooks: {
-        drawClear: [(u) => {
-          for (const [from, to] of look.spans) {
-            const left = u.valToPos(Math.max(from, u.scales.x.min), "x", true), right = u.valToPos(Math.min(to, u.scales.x.max), "x", true);
-            u.ctx.fillStyle = style("grid");
-            if (right > left) u.ctx.fillRect(left, u.bbox.top, right - left, u.bbox.height);
-          }
-        }],
+        drawClear: [shade(look)],
         draw: [(u) => {
           for (const [value] of look.levels) {
             const y = u.valToPos(value, "y", true);
@@ -213,6 +218,7 @@ requestAnimationFrame(() => setTimeout(() => {
       ...room(), legend: { show: false }, cursor: { drag: { x: true, y: true, uni: 20, setScale: false }, points: { show: false } },
       scales: { x: scale(0), y: scale(1) }, axes: axes(look.across, look.up, look.log), series: [{}, { points: { show: false } }],
       hooks: {
+        drawClear: [shade(look)],
         draw: [paint],
         setSelect: [(u) => {
           const { left, top, width, height } = u.select;

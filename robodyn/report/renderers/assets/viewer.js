@@ -469,7 +469,8 @@ function makeViewer(figure, stage, arrays, colours, onTime) {
     let before = null;
     const step = (stamp) => {
       if (!state.playing) return;
-      if (before !== null) setTime(state.time + state.speed * (stamp - before) / 1000);
+      const pace = stage.loop ? (span()[1] - span()[0]) / 5 : 1; // a pass in 5 s, however fast it really is
+      if (before !== null) setTime(state.time + pace * state.speed * (stamp - before) / 1000);
       before = stamp;
       if (state.time >= span()[1]) {
         if (stage.loop) setTime(span()[0]);
