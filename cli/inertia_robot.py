@@ -26,9 +26,11 @@ def compared(call: Call, file: str, geometry: Kind, how: How) -> int:
     """Show declared inertias against the links' shapes; the exit status, 2 where no link could be compared."""
     if call.form == "urdf":
         refuse("--format urdf is not for --compare; --link NAME --geometry visual prints one")
-    found = compare(load_description(robot_source(file), **call.lookup), geometry, Reading(how, watch=counted))
+    description = load_description(robot_source(file), **call.lookup)
+    found = compare(description, geometry, Reading(how, watch=counted))
     sections = comparison_sections(found)
-    answer(call, sections, lambda _: pages.differences_page(found), json=lambda: pages.comparison_json(found))
+    document = partial(pages.differences_page, found, description)
+    answer(call, sections, document, json=lambda: pages.comparison_json(found))
     if any(link.difference is not None for link in found.links):
         return 0
     what = f"none of {count(len(found.links), 'link')} could be compared"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
@@ -10,23 +10,26 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from robodyn.errors import MeshError
-from robodyn.programs.vectors import Array, product
+from robodyn.programs.vectors import Array
 from robodyn.report import document as doc
 from robodyn.report import inertia as words
-from robodyn.report.table import printable
+from robodyn.report.table import number, point_text, printable
 from robodyn.solids.inertia.properties import MassProperties, View
 from robodyn.solids.inertia.validity import Box, Validity, validity
 from robodyn.solids.mass_properties import Part
+from robodyn.support.wording import count
 
 if TYPE_CHECKING:
     from robodyn.checks.check import Checked
     from robodyn.robot.masses.declared import LinkInertia, RobotInertia
     from robodyn.robot.masses.shapes import Comparison, LinkShapes
-    from robodyn.robot.urdf.parts import Description
+    from robodyn.robot.urdf.parts import Description, Kind
     from robodyn.solids.mass_properties import Combination
 
 
 COM = View()
+_FAR = 0.1
+"""Of an inertia: what a link may be from its shapes."""
 
 
 def inertia_json(outcomes: Sequence[Part | MeshError], view: View) -> str:
@@ -143,40 +146,33 @@ def parts_page(outcomes: Sequence[Part | MeshError], view: View, shapes: Sequenc
     """Return what each mesh encloses, how far that holds, and why meshes failed; drawn from triangles (m, 3, 3) [m]."""
     parts = [each for each in outcomes if isinstance(each, Part)]
     failures = [f"{each}." for each in outcomes if isinstance(each, MeshError)]
-    failed = f"{len(failures)} of {len(outcomes)} meshes failed"
-    blocks: list[doc.Block] = [doc.Verdict("bad", failed, tuple(failures))] if failures else []
     open_ones = ", ".join(printable(part.name) for part in parts if not part.closed)
     doubts = [f"{printable(part.name)}: {text}." for part in parts for text in part.warnings]
     repairs = [f"{printable(part.name)}: repaired, {step.what}." for part in parts for step in part.repairs]
     error = max(max(part.arithmetic, part.rounding, part.union or 0.0) for part in parts)
-    reasons = [f"The volume holds within {error:.0e} of itself, for the surface as the file has it.", *repairs, *doubts]
+    holds = f"The volume holds within {error:.0e} of itself, for the surface as the file has it."
+    reasons = [*failures, holds, *repairs, *doubts]
     if any(part.assumed for part in parts):
         reasons.append("The density is assumed: --density or --mass says what it is.")
-    level: doc.Level = "bad" if open_ones else "doubtful" if doubts or repairs else "good"
+    level: doc.Level = "bad" if failures or open_ones else "doubtful" if doubts or repairs else "good"
     headlines = {
         "bad": f"Not closed, so that the mass is not definite: {open_ones}",
         "doubtful": "Mass and inertia, with repairs or doubts",
         "good": f"{'Closed' if len(parts) == 1 else 'All closed'} and without faults",
     }
-    blocks.append(doc.Verdict(level, headlines[level], tuple(reasons)))
-    for k, (part, triangles) in enumerate(zip(parts, shapes, strict=True)):
-        blocks += _solid(PurePath(part.name).name, part.body, triangles, f"mesh {k}")
+    headline = f"{len(failures)} of {len(outcomes)} meshes failed" if failures else headlines[level]
+    blocks = [doc.Verdict(level, headline, tuple(reasons)), *_solids(parts, shapes)]
     title = PurePath(parts[0].name).name if len(outcomes) == 1 else "Meshes"
     what = f"Mass properties: {', '.join(part.name for part in parts)}"
     return _page(title, what, blocks, words.inertia_sections(parts, view), inertia_json(outcomes, view))
 
 
 def combination_page(found: Combination, view: View, shapes: Sequence[Array | None]) -> doc.Document:
-    """Return meshes as one rigid body; with a picture of those that have triangles (m, 3, 3) in their own axes [m]."""
-    placed = [
-        product(triangles, np.asarray(R, dtype=float).T) + np.asarray(p, dtype=float)
-        for triangles, (R, p) in zip(shapes, found.poses, strict=True)
-        if triangles is not None
-    ]
+    """Return meshes as one rigid body; with a view of those that have triangles (m, 3, 3) in their own axes [m]."""
     names = ", ".join(part.name for part in found.parts)
     doubts = [*(f"{part.name}: {text}" for part in found.parts for text in part.warnings), *found.warnings]
-    figures = _solid("The whole", found.body, np.concatenate(placed) if placed else None, "whole")
-    first, sections = [_possible(found.body, doubts), *figures], words.combination_sections(found, view)
+    first = [_possible(found.body, doubts), *_solids(found.parts, shapes, found)]
+    sections = words.combination_sections(found, view)
     return _page("Meshes as one rigid body", names, first, sections, combination_json(found, view))
 
 
@@ -186,13 +182,8 @@ def robot_page(
     """Return the whole robot, its joints locked."""
     first: list[doc.Block] = [_possible(found.body, found.warnings, checked)]
     if pictures:
-        from robodyn.report.pictures.robot import robot_figure, shapes_of
-        from robodyn.robot.kinematics import configuration
-        from robodyn.robot.load import assemble
-
-        model, shapes = assemble(description), shapes_of(description)[0]
-        q = configuration(model, found.at)
-        first.append(doc.Gallery((robot_figure(model, q, "", "this configuration", shapes, "robot"),)))
+        caption = "The robot at this configuration: mass centres, and ellipsoids of the same masses and inertias"
+        first += _robot(description, caption, found.at, found.body)
     what = f"Mass properties of the whole robot, {found.massive} of {found.count} links with mass"
     return _page(found.name, what, first, words.robot_sections(found, view, checked), robot_json(found, view, checked))
 
@@ -200,27 +191,38 @@ def robot_page(
 def link_page(
     found: LinkInertia, description: Description, view: View, checked: Checked, pictures: bool
 ) -> doc.Document:
-    first = [_possible(found.body, (), checked), *_link(description, found, pictures)]
+    first = [_possible(found.body, (), checked), *_link(description, found, pictures, "visual")]
     sections = words.link_sections(description.file, found, view, checked)
     title, what = f"{description.name}: {found.name}", f"Link {found.name} as declared"
     return _page(title, what, first, sections, link_json(description.name, found, view, checked))
 
 
 def link_shapes_page(found: LinkShapes, description: Description, view: View, pictures: bool) -> doc.Document:
-    first = [_possible(found.body, found.shapes.remarks), *_link(description, found, pictures)]
+    first = [_possible(found.body, found.shapes.remarks), *_link(description, found, pictures, found.kind)]
     sections = words.link_shapes_sections(description.file, found, view)
     title, what = f"{description.name}: {found.name}", f"Link {found.name} from its {found.kind} shapes, {found.weight}"
     return _page(title, what, first, sections, link_shapes_json(description.name, found, view))
 
 
-def differences_page(found: Comparison) -> doc.Document:
-    differences = [link.difference.inertia for link in found.links if link.difference is not None]
-    far, rest = sum(difference > 0.1 for difference in differences), len(found.links) - len(differences)
+def differences_page(found: Comparison, description: Description, pictures: bool) -> doc.Document:
+    """Return how far declared inertias are from those of shapes, the robot with the links that differ lit."""
+    differences = {link.name: link.difference.inertia for link in found.links if link.difference is not None}
+    far, rest = [name for name, each in differences.items() if each > _FAR], len(found.links) - len(differences)
     level: doc.Level = "doubtful" if far else "good" if differences else "neutral"
-    headline = f"{far} of {len(differences)} links differ from their shapes by more than 10 %"
-    verdict = doc.Verdict(level, headline, (f"{rest} more links cannot be compared.",) if rest else ())
+    headline = f"{len(far)} of {len(differences)} links differ from their shapes by more than {100 * _FAR:.0f} %"
+    reasons = (f"{rest} more links cannot be compared.",) if rest else ()
+    first: list[doc.Block] = [doc.Verdict(level, headline, reasons)]
+    if pictures:
+        caption = "The robot, links that differ lit, and ellipsoids of the declared masses and inertias"
+        first += _robot(description, caption, lit=far)
+    rows = [
+        (name, [(name, 0.0, min(100 * each, 100.0), "doubtful" if name in far else "good")], f"{100 * each:.3g} %")
+        for name, each in differences.items()
+    ]
+    caption, note = "Inertia: declared less that of the shapes, over the latter", "About the mass centres; to 100 %."
+    first += [doc.Bars(caption, rows, note)] if rows else []
     what, sections = "Declared inertias against shapes", words.comparison_sections(found)
-    return _page(found.name, what, [verdict], sections, comparison_json(found), "comparison.json")
+    return _page(found.name, what, first, sections, comparison_json(found), "comparison.json")
 
 
 def _page(
@@ -234,20 +236,95 @@ def _page(
     return doc.page(title, what, first, sections, "Values", [(name, data)], "robodyn inertia --format json prints it")
 
 
-def _solid(name: str, body: MassProperties, triangles: Array | None, key: str) -> list[doc.Block]:
-    if triangles is None:
-        return []
-    from robodyn.report.pictures.robot import body_figure
+def _robot(
+    description: Description, caption: str, at: Any = (), whole: MassProperties | None = None, lit: Iterable[str] = ()
+) -> Iterator[doc.Block]:
+    """Yield a view of a robot, standing at a configuration with principal axes of the whole, or to be moved."""
+    from robodyn.report import stage
+    from robodyn.robot.kinematics import configuration
+    from robodyn.robot.load import assemble
 
-    return [doc.Gallery((body_figure(printable(name), body, triangles, key),))]
+    model = assemble(description)
+    shapes, why = stage.shapes_of_bodies(model)
+    still = stage.pose(model, configuration(model, at).tolist()) | ({"sliders": []} if whole else {})
+    inertias = {body.name: np.asarray(body.inertia.about_centre, dtype=float) for body in model.bodies}
+    said = {name: f"principal moments {_moments(np.linalg.eigvalsh(inertia))}" for name, inertia in inertias.items()}
+    colours = dict.fromkeys((model.bodies[model.links[link].body].name for link in lit), "doubtful")
+    shown = stage.robot(model, [still], words=said, lit=colours)
+    marks = _axes([(whole, model.reach)]) if whole else []
+    yield stage.stage(caption, [shown], [shapes], ellipsoids=True, through=bool(whole), marks=marks)
+    yield from doc.paragraphs([why] if why else [])
 
 
-def _link(description: Description, found: LinkInertia | LinkShapes, pictures: bool) -> list[doc.Block]:
+def _link(description: Description, found: LinkInertia | LinkShapes, pictures: bool, kind: Kind) -> list[doc.Block]:
     if not pictures or not found.body.mass:
         return []
-    from robodyn.report.pictures.robot import shapes_of
+    from robodyn.report.stage import shapes_of
 
-    return _solid(found.name, found.body, shapes_of(description)[0].get(found.name), "link")
+    return _solids([found], [shapes_of(description, kind)[0].get(found.name)])
+
+
+def _solids(
+    solids: Sequence[Part | LinkInertia | LinkShapes], shapes: Sequence[Array | None], whole: Combination | None = None
+) -> list[doc.Block]:
+    """Return a view of what has triangles in its axes [m]: as parts of a whole with its principal axes, or beside each
+    other with principal axes and planes of symmetry of each."""
+    from robodyn.report import stage
+    from robodyn.report.charts import COLOURS
+
+    robots, bodies = list[dict[str, Any]](), list[tuple[MassProperties, float]]()
+    drawn, discs, said = list[dict[int, Array]](), list[tuple[Array, Array, float]](), list[str]()
+    side, poses = 0.0, whole.poses if whole else [(np.eye(3), np.zeros(3))] * len(solids)
+    for solid, triangles, (R, at) in zip(solids, shapes, poses, strict=True):
+        if triangles is None:
+            continue
+        name, body = PurePath(solid.name).name, solid.body
+        low, high = triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))
+        reach = float((high - low).max())
+        p = np.asarray(at, dtype=float)
+        if whole is None and len(solids) > 1:  # to the right of the one before, on one floor
+            p = np.array((side - high[0], -(low[1] + high[1]) / 2, -low[2]))
+            side -= high[0] - low[0] + 0.3 * reach
+        moments = f"principal moments {_moments(body.principal.moments)}"
+        said.append(f"{name}: {number(body.mass)} kg, centre of mass {point_text(body.com, reach)} m, {moments}")
+        colour = COLOURS[len(robots) % len(COLOURS)] if whole else None
+        robots.append(stage.solid(name, body.mass, body.com, body.inertia, (R, p), words=moments, colour=colour))
+        drawn.append({0: triangles})
+        bodies.append((body.placed(R, p), reach))
+        symmetry = solid.symmetry if isinstance(solid, Part) and not whole else None
+        for plane in symmetry.planes if symmetry else ():
+            if plane.verdict != "none":
+                centre = body.com + (plane.offset - plane.normal @ body.com) * plane.normal
+                discs.append((centre + p, 1e-3 * reach * plane.normal, 0.65 * reach))
+    if not robots:
+        return []
+    marks = _axes([(whole.body, float((whole.box.hi - whole.box.lo).max()))] if whole else bodies)
+    marks += (
+        [stage.mark(count(len(discs), "plane of symmetry", "planes of symmetry"), "c5", discs, 0.3, len(discs) <= 3)]
+        if discs
+        else []
+    )
+    caption = f"Centre of mass{', principal axes and planes of symmetry' if discs else ' and principal axes'}"
+    declared = not isinstance(solids[0], Part)
+    found = stage.stage(caption, robots, drawn, through=True, ellipsoids=declared, marks=marks)
+    return [replace(found, alt=f"Solids in 3-D. {'; '.join(said)}")]
+
+
+def _axes(bodies: Sequence[tuple[MassProperties, float]]) -> list[dict[str, Any]]:
+    """Return principal axes of bodies that are so large [m], of one with its moments."""
+    from robodyn.report import stage
+
+    marks = []
+    for k, colour in enumerate(("bad", "good", "c1")):
+        axes = [(body, 1.4 * reach * body.principal.axes[k]) for body, reach in bodies]
+        moment = f": {number(bodies[0][0].principal.moments[k])} kg m^2" if len(bodies) == 1 else ""
+        lines = [(body.com - 0.5 * axis, axis, 0.003 * float(np.linalg.norm(axis))) for body, axis in axes]
+        marks.append(stage.mark(f"principal axis {k + 1}{moment}", colour, lines))
+    return marks
+
+
+def _moments(moments: Array) -> str:
+    return f"{', '.join(map(number, moments))} kg m^2"
 
 
 def _possible(body: MassProperties, doubts: Sequence[str], checked: Checked | None = None) -> doc.Verdict:

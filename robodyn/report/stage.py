@@ -64,7 +64,7 @@ def stage(
         ]
     )
     words = f"Meshes are drawn to within {1000.0 * error:.2g} mm. " if meshes else ""
-    words += "Drag to turn, shift and drag to move, wheel or pinch to zoom; click a link for what acts on it."
+    words += "Drag to turn, shift and drag to move, wheel or pinch to zoom; click a link for its numbers."
     look = {"robots": [*robots], "meshes": meshes, "kinds": KINDS, "bars": bars, "ellipsoids": ellipsoids}
     names = ", ".join(printable(robot["name"]) for robot in robots)
     return Stage(
@@ -129,7 +129,16 @@ def solid(name: str, mass: float, centre: Any, about_centre: Any, place: Any = N
     fixed = {"name": name, "parent": -1, "joint": "", "kind": "fixed", "lit": "", "words": look.pop("words", "")}
     fixed |= {"R": np.asarray(R, dtype=float).ravel().tolist(), "p": [float(x) for x in p], "meshes": []}
     body = fixed | _spread(mass, centre, about_centre)
-    rest = {"name": "", "time": None, "rows": None, "q": [], "rest": [], "use": [], "sliders": [], "arrows": []}
+    rest: dict[str, Any] = {
+        "name": "",
+        "time": None,
+        "rows": None,
+        "q": [],
+        "rest": [],
+        "use": [],
+        "sliders": [],
+        "arrows": [],
+    }
     return {"name": name, "bodies": [body], "motions": [rest], "colour": None, "alpha": 1.0} | look
 
 

@@ -137,7 +137,7 @@ function makeViewer(figure, stage, arrays, colours, onTime) {
     });
     return solid(corners, indices);
   }
-  const shaft = lathe([[0, 0], [1, 0], [1, 1], [0, 1]]), head = lathe([[0, 0], [1, 0], [0, 1]]);
+  const cylinder = [[0, 0], [1, 0], [1, 1], [0, 1]], shaft = lathe(cylinder), disc = lathe(cylinder, 64), head = lathe([[0, 0], [1, 0], [0, 1]]);
   const ball = lathe(Array.from({ length: 13 }, (_, k) => [Math.sin(Math.PI * k / 12), -Math.cos(Math.PI * k / 12)]), 24);
   const grid = (() => {
     const corners = [], indices = [];
@@ -324,7 +324,7 @@ function makeViewer(figure, stage, arrays, colours, onTime) {
       }
     }
     const marks = stage.marks.filter(({ what }) => state.layers[what]), drawMarks = (wanted) => marks.filter(wanted).forEach(
-      ({ colour, alpha, pieces }) => pieces.forEach(([at, vector, wide]) => draw(along(at, vector, wide, size(vector)), shaft, rgb(colour), alpha)));
+      ({ colour, alpha, pieces }) => pieces.forEach(([at, vector, wide]) => draw(along(at, vector, wide, size(vector)), disc, rgb(colour), alpha)));
     drawMarks(({ alpha }) => alpha === 1);
     // What is seen through comes last, hides nothing, and gives way where a solid has the same surface.
     gl.depthMask(false);
@@ -484,7 +484,7 @@ function makeViewer(figure, stage, arrays, colours, onTime) {
   $("home").addEventListener("click", () => { eye = { ...home, target: [...home.target] }; redraw(); });
   const present = new Set(robots.flatMap((robot) => robot.motions.flatMap((motion) => motion.arrows.map((arrow) => arrow.kind))));
   const layers = [...Object.entries(stage.kinds).filter(([kind]) => present.has(kind)).map(([kind, { what, on }]) => [kind, what, on])];
-  if (robots.some((robot) => robot.bodies.some((body) => body.mass))) layers.push(["centres", "mass centres", Boolean(stage.ellipsoids)]);
+  if (robots.some((robot) => robot.bodies.some((body) => body.mass))) layers.push(["centres", "mass centres", Boolean(stage.ellipsoids || stage.marks.length)]);
   if (robots.some((robot) => robot.bodies.some((body) => body.ellipsoid))) layers.push(["inertia", "ellipsoids of inertia", Boolean(stage.ellipsoids)]);
   layers.push(["through", "see through", Boolean(stage.through)], ...stage.marks.map(({ what, on }) => [what, what, on]));
   for (const [kind, what, on] of layers) {
