@@ -35,6 +35,7 @@ KINDS = {
     "loop": {"what": "forces of loops", "colour": "c5", "on": False},
     "base": {"what": "wrench of the base", "colour": "c4", "on": False},
 }
+_STILL = {"name": "", "time": None, "rows": None, "q": [], "rest": [], "use": [], "sliders": [], "arrows": []}
 Entry = Floats | list[float]
 """Values over the rows of a motion, or one that stays, in a list."""
 
@@ -129,17 +130,7 @@ def solid(name: str, mass: float, centre: Any, about_centre: Any, place: Any = N
     fixed = {"name": name, "parent": -1, "joint": "", "kind": "fixed", "lit": "", "words": look.pop("words", "")}
     fixed |= {"R": np.asarray(R, dtype=float).ravel().tolist(), "p": [float(x) for x in p], "meshes": []}
     body = fixed | _spread(mass, centre, about_centre)
-    rest: dict[str, Any] = {
-        "name": "",
-        "time": None,
-        "rows": None,
-        "q": [],
-        "rest": [],
-        "use": [],
-        "sliders": [],
-        "arrows": [],
-    }
-    return {"name": name, "bodies": [body], "motions": [rest], "colour": None, "alpha": 1.0} | look
+    return {"name": name, "bodies": [body], "motions": [_STILL], "colour": None, "alpha": 1.0} | look
 
 
 def mark(
