@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 from functools import partial
-from pathlib import PurePath
 
 import click
 
 from robodyn.cli import options
 from robodyn.cli.files import check_names, check_table, robot_in_scene
-from robodyn.cli.options import PATH, POSITIVE, Call, Output, option, refuse, refuse_where, takes
+from robodyn.cli.options import PATH, POSITIVE, Call, option, refuse, refuse_where, takes
 from robodyn.cli.screen import answer
-from robodyn.errors import InputError
 from robodyn.report.accuracy import accuracy_json, accuracy_page, accuracy_sections
-from robodyn.support.extras import need
-from robodyn.support.files import write_whole
 
 
 @click.command("accuracy", short_help="Measure what each further digit costs in time.")
@@ -23,7 +19,6 @@ from robodyn.support.files import write_whole
     option("--target ERROR", "Name the quickest method within this relative error.", POSITIVE),
     option("--duration S", "s, of a simulated motion; default 2, or the table's.", POSITIVE),
     option("--traj FILE", "The table whose columns the scene names.", PATH, "table"),
-    option("--plot FILE", "Draw error against time: .svg, .png or .pdf.", Output("a picture")),
     options.READING,
     options.SCENE,
     options.REPORT,
@@ -35,7 +30,6 @@ def command(
     target: float | None,
     duration: float | None,
     table: str | None,
-    plot: str | None,
 ) -> int:
     """Measure true errors and times of every method: for a mesh, for the torques of a robot along a motion, or for the
     motion that a scene makes. A file named - is standard input. Exit status 1: no method meets the target.
@@ -44,13 +38,9 @@ def command(
     Examples:
       robodyn accuracy robots/meshes/bracket.stl --target 1e-6
       robodyn accuracy robots/puma560.urdf robots/puma560_sweep.csv --report accuracy.html
-      robodyn accuracy robots/two_link_planar.urdf robots/two_link_planar_swing_down.toml --plot front.svg
+      robodyn accuracy robots/two_link_planar.urdf robots/two_link_planar_swing_down.toml --target 1e-8
     """
     check_names()
-    if plot:
-        if PurePath(plot).suffix.lower() not in (".svg", ".png", ".pdf"):
-            raise InputError("unknown type of picture by this suffix", remedy="name it .svg, .png or .pdf", file=plot)
-        need("plots", "matplotlib", file=plot)
     scene_file = call.scene_name  # a URDF moves in a scene whose name ends in .toml, or that is given alone
     robot = len(files) == 2 or files[0].lower().endswith(options.ROBOT_SUFFIXES)
     alone = scene_file if len(files) == 1 else None
@@ -84,13 +74,6 @@ def command(
         model, scene = robot_in_scene(call, files[0], files[1], loops=True)
         check_table(call, table, scene, files[1])
         found = simulation_accuracy(model, scene, duration, table)
-    written = ""
-    if plot:
-        from robodyn.report.accuracy import accuracy_picture
-
-        data = accuracy_picture(found, target, PurePath(plot).suffix[1:].lower())
-        write_whole(plot, data, remedy="name another file")
-        written = f"\nwritten: {plot}\n"
     sections, document = accuracy_sections(found, target), partial(accuracy_page, found, target)
-    answer(call, sections, document, written, json=lambda: accuracy_json(found, target))
+    answer(call, sections, document, json=lambda: accuracy_json(found, target))
     return int(target is not None and any(ladder.cheapest(target) is None for ladder in found.ladders))

@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from io import BytesIO
+from collections.abc import Iterator, Sequence
 from itertools import groupby
 from math import floor, log10
 from pathlib import PurePath
-from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from robodyn.measure.accuracy.ladder import Accuracy, Ladder, Rung, Spread
 from robodyn.measure.doctor import Line, healthy
 from robodyn.report import document as doc
+from robodyn.report.charts import plane_chart
 from robodyn.report.table import printable
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure as Canvas
-
+from robodyn.support.floats import Floats
 
 _UNITS = {"mesh": (1e3, "ms"), "motion": (1e3, "ms"), "sample": (1e9, "ns")}
 _WHERE = {"end": "error at the end", "way": "along the way", "middle": "error in the middle", "whole": "anywhere"}
-_MARKERS = "osD^v<>Ph*Xd"
 
 
 def accuracy_sections(accuracy: Accuracy, target: float | None = None) -> Iterator[doc.Section]:
@@ -88,12 +85,53 @@ def accuracy_page(accuracy: Accuracy, target: float | None = None, pictures: boo
         verdict = doc.Verdict("good" if met else "bad", headline, tuple(reasons))
     blocks: list[doc.Block] = [verdict]
     if pictures:
-        figures = (ladder_figure(each, target, _front(each), f"ladder {k}") for k, each in enumerate(accuracy.ladders))
-        blocks += doc.titled("Error against time", doc.gallery(figures))
+        blocks += doc.titled("Error against time", [_ladder_chart(ladder, target) for ladder in accuracy.ladders])
     files = [("accuracy.json", accuracy_json(accuracy, target))]
     name, what = PurePath(accuracy.name).name, "What each further digit costs in time"
     how = "robodyn accuracy --format json prints it"
     return doc.page(name, what, blocks, accuracy_sections(accuracy, target), "", files, how)
+
+
+def _ladder_chart(ladder: Ladder, target: float | None) -> doc.Chart:
+    """Return error against time: every setting of a method a dot, with quartiles of its time, those worth their time on a
+    line; an error of 0 two decades below every other."""
+    scale, unit = _UNITS[ladder.per]
+    unit += " per sample" if ladder.per == "sample" else ""
+    others = [error for error in (*(rung.error for rung in ladder.rungs), target) if error]
+    zero = 10.0 ** (floor(log10(min(others, default=1e-16))) - 2)
+    families: dict[str, list[Rung]] = {}
+    for rung in ladder.rungs:  # one method with several settings, behind a comma, has one colour
+        families.setdefault(rung.name.partition(",")[0], []).append(rung)
+
+    def places(rungs: Sequence[Rung], *times: str) -> tuple[Floats, Floats]:
+        across = [scale * getattr(rung.time, each) for rung in rungs for each in times]
+        return np.array(across), np.repeat([rung.error or zero for rung in rungs], len(times))
+
+    def line(x: Floats, y: Floats) -> tuple[Floats, Floats]:
+        cut = slice(2, None, 3)
+        x[cut] = y[cut] = np.nan
+        return x, y
+
+    lines = {"front": places(ladder.front, "median"), "quartiles": line(*places(ladder.rungs, "low", "high", "low"))}
+    if target is not None:
+        ends = [scale * each for rung in ladder.rungs for each in (rung.time.low, rung.time.high)]
+        lines[f"target {target:g}"] = np.array((min(ends), max(ends))), np.array((target, target))
+    exact = "" if all(rung.error for rung in ladder.rungs) else f"; errors of 0 stand at {zero:.0e}"
+    said = {
+        name: [f"{rung.name}, quartiles {_time(rung.time, scale)[1]} {unit}" for rung in rungs]
+        for name, rungs in families.items()
+    }
+    return plane_chart(
+        f"{ladder.title}: largest error, against {ladder.reference}, over the median time{exact}",
+        f"Error against time of {len(ladder.rungs)} methods, on logarithmic axes; {_front(ladder)}",
+        f"time [{unit}]",
+        "largest error",
+        dots={name: places(rungs, "median") for name, rungs in families.items()},
+        lines=lines,
+        colours={"front": "ink", "quartiles": "soft", f"target {target or 0:g}": "bad"},
+        names=said,
+        log=True,
+    )
 
 
 def _front(ladder: Ladder) -> str:
@@ -142,75 +180,3 @@ def accuracy_json(accuracy: Accuracy, target: float | None = None) -> str:
 def doctor_json(lines: tuple[Line, ...]) -> str:
     """Return {"ok": ..., "lines": [{group, name, found, verdict, remark, figures}]}."""
     return doc.written({"ok": healthy(lines), "lines": lines})
-
-
-def accuracy_picture(accuracy: Accuracy, target: float | None, form: str) -> bytes:
-    """Return the content of a file with all ladders: form svg, png or pdf; letters of an SVG stay letters."""
-    from matplotlib import rc_context
-    from matplotlib.figure import Figure as Canvas
-
-    figure = Canvas(figsize=(9.0, 5.0 * len(accuracy.ladders)), layout="constrained")
-    panels = figure.subplots(len(accuracy.ladders), 1, squeeze=False)[:, 0]
-    for panel, ladder in zip(panels, accuracy.ladders, strict=True):
-        draw_ladder(panel, ladder, target)
-        panel.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize="small")
-        panel.set_title(f"{printable(accuracy.name)}: {ladder.title}", loc="left")
-    stream, dated = BytesIO(), {"svg": "Date", "pdf": "CreationDate"}.get(form)
-    with rc_context({"svg.hashsalt": "robodyn", "svg.fonttype": "none"}):
-        figure.savefig(stream, format=form, dpi=150.0, metadata={dated: None} if dated else None)
-    return stream.getvalue()
-
-
-def ladder_figure(ladder: Ladder, target: float | None, words: str, name: str) -> doc.Figure:
-    from robodyn.report.pictures.figures import SERIES, plot
-
-    def draw(canvas: Canvas) -> None:
-        from matplotlib import rc_context
-        from matplotlib.rcsetup import cycler
-
-        canvas.set_layout_engine("constrained")
-        with rc_context({"axes.prop_cycle": cycler(color=SERIES)}):
-            draw_ladder(canvas.subplots(), ladder, target)
-        canvas.legend(loc="outside lower left", ncols=2, fontsize="small")
-
-    alt = f"Error against time of {len(ladder.rungs)} methods, on logarithmic axes; {words}"
-    return doc.Figure(ladder.title, alt, plot(400, 500, draw, name))
-
-
-def draw_ladder(panel: Any, ladder: Ladder, target: float | None = None) -> None:
-    """Draw error against time on logarithmic axes: methods as points with quartiles of their time, those worth it on a
-    line, the target dashed; an error of 0 two decades below every other."""
-    from matplotlib.ticker import LogLocator, NullLocator
-
-    scale, unit = _UNITS[ladder.per]
-    unit += " per sample" if ladder.per == "sample" else ""
-    errors = [rung.error for rung in ladder.rungs]
-    others = [error for error in (*errors, target) if error]
-    zero = None if all(errors) else 10.0 ** (floor(log10(min(others, default=1e-16))) - 2)
-    families: dict[str, list[Rung]] = {}
-    for rung in ladder.rungs:  # one method with several settings, behind a comma, has one colour
-        families.setdefault(rung.name.partition(",")[0], []).append(rung)
-    for k, (family, rungs) in enumerate(families.items()):
-        times = [scale * rung.time.median for rung in rungs]
-        below = [scale * (rung.time.median - rung.time.low) for rung in rungs]
-        above = [scale * (rung.time.high - rung.time.median) for rung in rungs]
-        heights, marker = [rung.error or zero for rung in rungs], _MARKERS[k // 10 % len(_MARKERS)]
-        panel.errorbar(times, heights, xerr=[below, above], fmt=marker, ms=5, lw=1, label=family)
-    ink = panel.spines["left"].get_edgecolor()
-    line = [scale * rung.time.median for rung in ladder.front], [rung.error or zero for rung in ladder.front]
-    panel.plot(*line, color=ink, lw=1.2, zorder=0, label="front")
-    if target is not None:
-        panel.axhline(target, color=ink, lw=1, ls="--", label=f"target {target:g}")
-    across = f"time [{unit}], median and quartiles\nerrors against {ladder.reference}"
-    panel.set(xscale="log", yscale="log", xlabel=across, ylabel="largest error")
-    panel.margins(x=0.04)
-    for axis, zero_at in ((panel.xaxis, None), (panel.yaxis, zero)):  # plain numbers, and 0 where that is drawn
-        low, high = (float(x) for x in axis.get_view_interval())
-        least = low if zero_at is None else 30.0 * zero_at
-        locator = LogLocator(subs=(1.0, 2.0, 5.0) if high < 1e3 * least else (1.0,), numticks=9)
-        ticks = [float(x) for x in locator.tick_values(least, max(high, 2.0 * least)) if least <= x <= high]
-        marked = {zero_at: "0"} if zero_at is not None else {}
-        marked |= {x: f"{x:.5g}".replace("-", "\u2212") for x in ticks}
-        axis.set_ticks(list(marked), list(marked.values()))
-        axis.set_minor_locator(NullLocator())
-    panel.grid(visible=True, which="major", alpha=0.3)

@@ -57,13 +57,13 @@ def test_simulation(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr("robodyn.measure.accuracy.simulation.TOLERANCES", (1e-4,))
     few = tuple(method for method in METHODS if method.name in ("rk4", "verlet", "dop853"))
     monkeypatch.setattr("robodyn.measure.accuracy.simulation.METHODS", few)
-    plot = tmp_path / "front.svg"
-    printed = shown("accuracy", *PLANAR, "--duration", "0.02", "--plot", str(plot), "--target", "1e-5")
+    page = tmp_path / "front.html"
+    printed = shown("accuracy", *PLANAR, "--duration", "0.02", "--report", str(page), "--target", "1e-5")
     assert "two_link_planar, 0.02 s: simulation, errors against gauss6 and dop853, which agree to" in printed
-    assert printed.endswith(f"\nwritten: {plot}\n")
-    picture = plot.read_text()
-    assert all(f">{text}<" in picture for text in ("rk4", "dop853", "front", "target 1e-05", "largest error"))
-    assert [path.name for path in tmp_path.iterdir()] == ["front.svg"]
+    assert f"\nwritten: {page}, " in printed
+    text = page.read_text(encoding="utf-8")
+    assert all(f'"label":"{label}"' in text for label in ("rk4", "dop853", "front", "target 1e-05"))
+    assert [path.name for path in tmp_path.iterdir()] == ["front.html"]
 
 
 @pytest.mark.slow

@@ -88,8 +88,6 @@ CALLS: dict[str, str] = {
     "torques arm.urdf arm.csv --out 'nul\0.csv'": "nul\\x00.csv: cannot be written: the name has a null character",
     "torques arm.urdf arm.csv --report r.pdf": "r.pdf: unknown type of report by this suffix (name it .html or .md)",
     "torques arm.urdf arm.csv --report no/r.html": "no/r.html: cannot be written: there is no such folder",
-    "accuracy part.stl --plot front.bmp": "front.bmp: unknown type of picture by this suffix",
-    "accuracy part.stl --plot part.stl": "part.stl: the output would overwrite an input",
     "linearize arm.urdf --out linear.csv": "linear.csv: is no .npz file (--out FILE.npz)",
     "export arm.urdf --to c --out no/f.c": "no/f.c: cannot be written: no such file or directory (name another file)",
     "export arm.urdf --to c --out .": ".: cannot be written: is a directory (name another file)",

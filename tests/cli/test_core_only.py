@@ -56,7 +56,7 @@ NEEDS = {
     "check scara.urdf --report {out}/check.html": "report",
     "equations two_link_planar.urdf --form closed": "symbolic",
     "lsp": "lsp",
-    "accuracy meshes/hub.stl --plot {out}/front.svg": "report",
+    "accuracy meshes/hub.stl --report {out}/front.html": "report",
     "accuracy scara.urdf scara_pick_and_place.csv": "exact",
 }
 CODE = """

@@ -4,7 +4,8 @@ requestAnimationFrame(() => setTimeout(() => {
   const element = document.getElementById("data");
   if (!element) return;
   const { looks, arrays: packed } = JSON.parse(element.textContent);
-  const arrays = packed.map(({ n, low, step, levels }) => {
+  const arrays = packed.map(({ values, n, low, step, levels }) => {
+    if (values) return Float64Array.from(values, (x) => x ?? NaN);
     if (levels === undefined) return new Float64Array(n).fill(low);
     const raw = new Int32Array(Uint8Array.from(atob(levels), (c) => c.charCodeAt(0)).buffer);
     return Float64Array.from(raw, (level) => level === -(2 ** 31) ? NaN : low + step * (level + 2147483647));
@@ -40,13 +41,19 @@ requestAnimationFrame(() => setTimeout(() => {
       return span;
     }));
   }
+  // Decades of a logarithmic axis, every few of many, also 2 and 5 of few; even steps within one.
+  const logTicks = (min, max) => {
+    const first = Math.floor(Math.log10(min)), many = Math.ceil(Math.log10(max)) - first, every = Math.ceil(many / 9), ticks = [];
+    const step = [1, 2, 5, 10].map((m) => m * 10 ** Math.floor(Math.log10((max - min) / 6))).find((each) => (max - min) / each <= 6);
+    if (max < 10 * min) for (let k = Math.ceil(min / step); k * step <= max; k++) ticks.push(Number((k * step).toPrecision(9)));
+    else for (let p = 0; p <= many; p++) if (p % every === 0) ticks.push(...(many > 4 ? [1] : [1, 2, 5]).map((m) => Number(`${m}e${first + p}`)));
+    return ticks.filter((tick) => tick >= min && tick <= max);
+  };
   const axes = (across, up, log) => [across, up].map((label, k) => ({
     stroke: () => style("ink"), label: label ?? undefined, labelSize: k ? 18 : 22, size: k ? 58 : 34, font: "12px system-ui, sans-serif",
     labelFont: "12px system-ui, sans-serif", grid: { stroke: style("grid"), width: 1 }, ticks: { stroke: style("grid"), width: 1 },
-    values: (_, ticks) => {
-      const decades = (tick) => tick !== null && Math.log10(tick) % 1 === 0, few = ticks.filter(decades).length < 3;
-      return ticks.map((tick) => tick === null || log && !few && !decades(tick) ? "" : short(tick).replace("-", "\u2212"));
-    },
+    values: (_, ticks) => ticks.map((tick) => (tick === null ? "" : log && (tick < 1e-3 || tick >= 1e6) ? tick.toExponential() : short(tick)).replace("-", "\u2212")),
+    ...(log ? { splits: (_, axis, min, max) => logTicks(min, max), filter: (_, ticks) => ticks } : {}),
     space: k ? 34 : 60,
   }));
   // The chart's own look on top of uPlot's: what is drawn behind and before curves.
@@ -153,7 +160,7 @@ requestAnimationFrame(() => setTimeout(() => {
     const range = (k) => {
       const marks = look.marks.map((mark) => mark[k]), all = points.flatMap((pair) => [pair[k].reduce((a, b) => Math.min(a, Number.isNaN(b) ? a : b), Infinity), pair[k].reduce((a, b) => Math.max(a, Number.isNaN(b) ? a : b), -Infinity)]);
       const least = Math.min(...all, ...marks), most = Math.max(...all, ...marks);
-      if (look.log) return [least / 1.6, most * 1.6];
+      if (look.log) return [least / 1.3 / (most / least) ** 0.05, 1.3 * most * (most / least) ** 0.05];
       const gap = 0.07 * (most - least || Math.abs(most) || 1);
       return [least - gap, most + gap];
     };
