@@ -35,7 +35,10 @@ def test_methods_stand_at_their_time_and_error() -> None:
     assert look["log"]
     assert found["a"]["x"] == pytest.approx([3000.0, 2000.0])
     assert found["a"]["y"] == pytest.approx([1e-30, 1e-25])
-    assert found["a"]["names"] == ["a, fine, quartiles 2700 .. 3600 ns per sample", "a, coarse, quartiles 1800 .. 2400 ns per sample"]
+    assert found["a"]["names"] == [
+        "a, fine, quartiles 2700 .. 3600 ns per sample",
+        "a, coarse, quartiles 1800 .. 2400 ns per sample",
+    ]
     assert found["front"]["y"] == pytest.approx([1e-3, 1e-25, 1e-30])
     assert found["quartiles"]["x"][:2] == pytest.approx([2700.0, 3600.0])
     assert np.isnan(found["quartiles"]["x"][2])
