@@ -30,13 +30,13 @@ def command(call: Call, urdf: str, trajectory: str | None) -> None:
       robodyn view robots/puma560.urdf --at 0,0.8,-0.3,0,0.5,0
       robodyn view robots/puma560.urdf robots/puma560_sweep.csv --report puma.html
     """
+    check_names()
     refuse_where(
         (call.report is not None and not call.pictured, "--report of view is an .html file"),
         (trajectory is not None and call.at is not None, "--at is for a robot without a trajectory"),
         (trajectory is None and call.reading_given, f"{call.reading_given} goes with a trajectory"),
     )
     need("HTML reports", "jinja2", "uplot-python")
-    check_names()
     expect(ROBOT, urdf)
     model, scene = robot_in_scene(call, urdf, loops=True, contacts=True)
     from robodyn.report.view import view_page

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, ClassVar, Literal
 
 from robodyn.dynamics.effects.effect import Verdict
@@ -11,13 +11,19 @@ from robodyn.errors import TOO_FEW, Caveat
 from robodyn.robot.limits import Coverage, Excess, reached_beyond, within
 from robodyn.scene.scene import Curve, Vector
 from robodyn.support.floats import BEYOND
+from robodyn.support.shown import Cell, Shown
+from robodyn.support.wording import count, figure, shown
 from robodyn.trajectory.motion import Derivation
 
 if TYPE_CHECKING:
+    from polars import DataFrame
+
     from robodyn.loads.constraint_result import Constraints
     from robodyn.loads.history import History
     from robodyn.loads.uncertainty_result import Uncertain
 
+_SHOWN = 6
+"""Joints that a result names in its repr."""
 Level = Literal["OK", "over continuous", "over peak", "no limits"]
 Quantity = Literal[
     "motor torque", "motor speed", "RMS motor torque", "gear torque", "mean gear torque", "effort", "velocity"
@@ -371,8 +377,8 @@ class Sizing:
         return any(joint.exceeded for joint in self.joints)
 
 
-@dataclass(frozen=True)
-class Result:
+@dataclass(frozen=True, repr=False)
+class Result(Shown):
     """What a robot carries along a motion.
 
     Attributes:
@@ -407,6 +413,33 @@ class Result:
     held: Mapping[str, float] = field(default_factory=dict)
     constraints: Constraints | None = None
     uncertainty: Uncertain | None = None
+
+    def to_frame(self) -> DataFrame:
+        """Return a polars.DataFrame of a row for each joint: its name, every number of `JointLoad`, and the margins to
+        limits, null where there is no limit; `.to_pandas()` makes one of pandas of it."""
+        import polars as pl
+
+        kinds = {each.name: str(each.type) for each in fields(JointLoad) if each.name not in ("name", "shares")}
+        names = ("name", *kinds, *JointLoad.JSON_ALSO)
+        schema = {name: {"str": pl.String, "int": pl.Int64}.get(kinds.get(name, ""), pl.Float64) for name in names}
+        rows = [[getattr(joint, name) for name in names] for joint in self.joints]
+        return pl.DataFrame(rows, schema=schema | {"name": pl.String}, orient="row")
+
+    def _lines(self) -> Sequence[str]:
+        size = f"{count(len(self.joints), 'joint')}, {count(self.samples, 'sample')}, {figure(self.duration, 6)} s"
+        peaks = [f"{shown(joint.name)} {figure(joint.peak, 4)} {joint.unit}" for joint in self.joints]
+        more = f", ... ({len(peaks)} in all)" if len(peaks) > _SHOWN else ""
+        said = {True: "within all limits", False: "beyond limits", None: "limits are not known, or in doubt"}
+        return (
+            f"Result of {shown(self.robot)}: {size}",
+            f"peaks: {', '.join(peaks[:_SHOWN]) or 'none'}{more}",
+            f"{said[self.within_limits]}; {count(len(self.warnings), 'warning')}",
+        )
+
+    def _table(self) -> tuple[Sequence[str], Sequence[Sequence[Cell]]]:
+        head = ("joint", "in", "peak", "at [s]", "RMS", "limit", "largest speed", "limit of speed")
+        names = ("name", "unit", "peak", "peak_time", "rms", "effort_limit", "max_speed", "velocity_limit")
+        return head, [[getattr(joint, name) for name in names] for joint in self.joints]
 
     @property
     def exceeded(self) -> tuple[Excess, ...]:

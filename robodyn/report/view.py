@@ -69,11 +69,11 @@ def view_page(model: Model, motion: Motion | None, scene: Scene, at: Values | No
         return torques_page(torques(model, motion, scene, history=True), model, scene)
     q, said = configuration(model, nearest_to_zero(model) if at is None else at), []
     if scene.loops:
-        begin = "They do not close near this pose"
+        begin = "which do not close near this pose"
         with suppress(RobodynError):
-            q, begin = closed_state(model, scene, at, ())[0], "They are closed at first"
+            q, begin = closed_state(model, scene, at, ())[0], "closed at first"
         names = first_names([loop.name for loop in scene.loops], 4)
-        said.append(f"Loops: {names}. {begin}; sliders move the joints of the tree one by one, which opens them.")
+        said.append(f"Loops: {names}, {begin}. Sliders move the joints of the tree one by one, and open loops.")
     said += beyond_limits(model, q)
     shapes, why = stage.shapes_of_bodies(model)
     robot = stage.robot(model, [stage.pose(model, q.tolist(), stage.weights(model, scene.gravity))])

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
-from robodyn.errors import printable
 from robodyn.programs.vectors import length
 from robodyn.solids.inertia.laws import Inertia
 from robodyn.support.floats import Floats
 from robodyn.support.frozen import Frozen
+from robodyn.support.shown import Cell, Shown
 from robodyn.support.wording import count, figure, listed, shown, shown_path
 
 if TYPE_CHECKING:
@@ -77,7 +77,7 @@ class Frame(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Model(Frozen):
+class Model(Shown, Frozen):
     """A tree of bodies; bodies[0] is the base and bodies[i].parent < i.
 
     Attributes:
@@ -95,14 +95,25 @@ class Model(Frozen):
     notes: tuple[str, ...] = ()
     description: Description | None = None
 
-    def __repr__(self) -> str:
+    def _lines(self) -> Sequence[str]:
         heavy = sum(body.inertia.m > 0.0 for body in self.bodies)
-        lines = (
-            f"<Model {shown(self.name)} of {shown_path(self.file)}, {'moving' if self.floating else 'fixed'} base",
-            f" {count(self.n, 'degree')} of freedom, joints: {listed(self.joint_names) or 'none'}",
-            f" {figure(self.total_mass, 4)} kg in {heavy} of {count(len(self.bodies), 'body', 'bodies')}>",
+        return (
+            f"Model {shown(self.name)} of {shown_path(self.file)}, {'moving' if self.floating else 'fixed'} base",
+            f"{count(self.n, 'degree')} of freedom, joints: {listed(self.joint_names) or 'none'}",
+            f"{figure(self.total_mass, 4)} kg in {heavy} of {count(len(self.bodies), 'body', 'bodies')}",
         )
-        return "\n".join(map(printable, lines))
+
+    def _table(self) -> tuple[Sequence[str], Sequence[Sequence[Cell]]]:
+        units = {"revolute": "rad, N m, rad/s", "prismatic": "m, N, m/s"}
+        rows: list[list[Cell]] = []
+        for body in self.bodies:
+            joint, mass = body.joint, float(body.inertia.m)
+            limits = joint.lower, joint.upper, joint.effort, joint.velocity
+            rows.append([body.name, mass, joint.name, joint.kind, *limits, units.get(joint.kind, "")])
+        return ("body", "mass [kg]", "joint", "kind", "lower", "upper", "effort", "velocity", "in"), rows
+
+    def _repr_html_(self) -> str:
+        return f"{super()._repr_html_()}<p><code>robodyn.view(model)</code> shows it in 3-D.</p>"
 
     @cached_property
     def parents(self) -> tuple[int, ...]:

@@ -55,6 +55,7 @@ NEEDS = {
     "inertia meshes/bracket.stl --report {out}/part.html": "report",
     "check scara.urdf --report {out}/check.html": "report",
     "equations two_link_planar.urdf --form closed": "symbolic",
+    "view scara.urdf": "report",
     "lsp": "lsp",
     "accuracy meshes/hub.stl --report {out}/front.html": "report",
     "accuracy scara.urdf scara_pick_and_place.csv": "exact",

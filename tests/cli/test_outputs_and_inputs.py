@@ -31,6 +31,7 @@ ARGUMENTS = {
     "excite": ["arm.urdf"],
     "identify": ["arm.urdf", "log.csv"],
     "info": ["arm.urdf"],
+    "view": ["arm.urdf", "arm.csv"],
     "diff": ["arm.urdf", "arm.urdf"],
     "accuracy": ["arm.urdf", "arm.csv"],
     "scene init": ["arm.urdf"],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import hypot, inf
@@ -31,7 +32,8 @@ from robodyn.robot.limits import Excess, held_beyond
 from robodyn.robot.model import Model
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
-from robodyn.support.wording import listed
+from robodyn.support.shown import Cell, Shown
+from robodyn.support.wording import count, figure, listed, shown
 
 _LOST = 1.0 / float(np.finfo(float).eps)
 _BALANCED = 1e-9
@@ -40,8 +42,8 @@ _CLEAR = 0.1
 """Of the largest: a joint that moves less than so with what is left is no coordinate of a closed chain."""
 
 
-@dataclass(frozen=True, eq=False)
-class Linearized:
+@dataclass(frozen=True, eq=False, repr=False)
+class Linearized(Shown):
     """x' = A x + B u near one state, x and u being differences from those of the state.
 
     Attributes:
@@ -71,6 +73,21 @@ class Linearized:
     motion: SmallMotion
     warnings: tuple[str, ...]
     step: float | None = None
+
+    def _lines(self) -> Sequence[str]:
+        sizes = f"{count(len(self.states), 'state')}, {count(len(self.inputs), 'input')}"
+        steps = "" if self.step is None else f", in steps of {figure(self.step, 6)} s"
+        about = "an equilibrium" if self.balanced else "a state that added torques hold"
+        return (
+            f"Linearized {shown(self.robot)}: {sizes}{steps}",
+            f"about {about}; {count(len(self.warnings), 'warning')}",
+        )
+
+    def _table(self) -> tuple[Sequence[str], Sequence[Sequence[Cell]]]:
+        head = ("mode", "frequency [Hz]", "damping ratio", "time constant [s]", "eigenvalue [1/s]", "+- i")
+        names = ("frequency", "damping_ratio", "time_constant", "real", "imag")
+        modes = enumerate(self.modes.modes)
+        return head, [[str(k), *(float(getattr(mode, name)) for name in names)] for k, mode in modes]
 
     @cached_property
     def exceeded(self) -> tuple[Excess, ...]:

@@ -17,6 +17,8 @@ from robodyn.robot.model import Model
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
 from robodyn.support.input_file import open_input
+from robodyn.support.shown import Cell, Shown
+from robodyn.support.wording import count, figure, shown, shown_path
 from robodyn.trajectory.derivatives.derivative_selection import estimate
 from robodyn.trajectory.motion import Trajectory
 from robodyn.trajectory.read import read_motion
@@ -39,8 +41,8 @@ _SHARE = 0.5  # of the range of 98 % of the running medians
 _LOUD = 10.0  # times the noise: torques that are compared
 
 
-@dataclass(frozen=True)
-class Log:
+@dataclass(frozen=True, repr=False)
+class Log(Shown):
     """What a file tells of a motion and its torques; the file is read anew by every pass, in blocks.
 
     Attributes:
@@ -77,6 +79,22 @@ class Log:
     held: Mapping[str, float]
     notes: tuple[str, ...]
     caveats: tuple[Caveat, ...]
+
+    def _lines(self) -> Sequence[str]:
+        known = f"{len(self.measured)} of {count(self.model.n, 'torque')} measured"
+        times = f"{count(self.samples, 'sample')} from {figure(self.start, 6)} to {figure(self.stop, 6)} s"
+        moved = f"derived of positions with a noise of {figure(self.noise)}" if self.derived else "given"
+        said = f"{count(len(self.notes), 'note')}, {count(len(self.caveats), 'caveat')}"
+        return (
+            f"Log {shown_path(self.path)} of {shown(self.model.name)}: {known}, {times}",
+            f"steps of {figure(self.step, 6)} s, torques are noise above {figure(self.cutoff)} Hz",
+            f"accelerations are {moved}; {said}",
+        )
+
+    def _table(self) -> tuple[Sequence[str], Sequence[Sequence[Cell]]]:
+        columns = (self.loud, self.delays, *self.limits)
+        rows: list[list[Cell]] = [[self.model.rates[k], *(float(each[k]) for each in columns)] for k in self.measured]
+        return ("measured", "noise", "late [s]", "clipped below", "clipped above"), rows
 
     @property
     def noisy(self) -> bool:
