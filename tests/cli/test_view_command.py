@@ -112,7 +112,9 @@ def test_loops_are_closed_at_first_and_said_to_open() -> None:
     scene = robodyn.scene_of(model, robodyn.load_scene(ROBOTS / "five_bar_reach.toml"))
     for at in (None, {"left": 0.4}):
         view, words = view_page(model, None, scene, at).blocks[:2]
-        assert words.text == "Loops: tip, closed at first. Sliders move the joints of the tree one by one, and open loops."
+        assert (
+            words.text == "Loops: tip, closed at first. Sliders move the joints of the tree one by one, and open loops."
+        )
         q = np.array(view.look["robots"][0]["motions"][0]["rest"])
         assert at is None or q[0] == pytest.approx(0.4)
         poses = body_poses(model, q)
