@@ -1,6 +1,6 @@
 """Draw the pictures of the documentation, screenshots of reports: `python docs/make_pictures.py`.
 
-It needs chromium on the path and Pillow, which comes with matplotlib; the tests do not run it.
+It needs chromium on the path and Pillow; the tests do not run it.
 """
 
 from __future__ import annotations
@@ -37,7 +37,8 @@ def draw(name: str, command: str, width: int, height: int) -> Path:
         options = [
             "--headless",
             "--no-sandbox",
-            "--disable-gpu",
+            "--enable-unsafe-swiftshader",
+            "--virtual-time-budget=4000",
             "--hide-scrollbars",
             f"--window-size={width},{height}",
         ]

@@ -5,8 +5,9 @@ Under the name of a test file: (file, a piece of its syntax tree as it is, as it
 
 MUTATIONS = {
     "loads/test_history.py": [
-        ("loads/history.py", "each.argmax", "each.argmin"),
-        ("loads/history.py", "columns if len(each) > 1 else 0", "0"),
+        ("loads/history.py", "np.minimum.reduceat(self.low, pairs)", "self.low[::2]"),
+        ("loads/history.py", "self.rows + row", "row"),
+        ("loads/history.py", "np.minimum(self.low[-1], low[0])", "low[0]"),
     ],
     "checks/test_groups.py": [
         ("checks/groups.py", "found[0].severity.reaches(other.severity)", "True"),

@@ -13,6 +13,7 @@ from helpers.pinocchio_robots import PinocchioRobot
 from helpers.walking import WALKERS, sway, walk
 
 import robodyn
+from robodyn.dynamics.constraints.constraint_jacobian import columns_of
 from robodyn.scene.scene import ExternalWrench
 
 EVERY = ["Go2", *(pytest.param(name, marks=pytest.mark.slow) for name in ("ANYmal", "G1", "TALOS"))]
@@ -154,9 +155,11 @@ def test_history_has_what_feet_press_with_and_when_they_are_on():
     walker, motion = WALKERS["Go2"], walked("Go2")
     scene = walker.scene()
     found = robodyn.torques(walker.model, motion.trajectory(scene), scene, history=True)
-    for k, contact in enumerate(found.constraints.contacts):
-        samples = found.history.contacts.samples(k)
-        np.testing.assert_array_equal(samples["time"], motion.time)
-        np.testing.assert_array_equal(samples["on"], motion.columns[f"on_{contact.name}"])
-        assert samples["normal"].max() == contact.normal.value
-        assert not samples["normal"][samples["on"] == 0.0].any()
+    samples = dict(zip(found.history.motion.names, found.history.motion.first.T, strict=True))
+    np.testing.assert_array_equal(samples["time"], motion.time)
+    for contact in found.constraints.contacts:
+        on = samples[f"on_{contact.name}"]
+        np.testing.assert_array_equal(on, motion.columns[f"on_{contact.name}"])
+        normal = samples[columns_of(contact.name)[2]]
+        assert normal.max() == contact.normal.value
+        assert not normal[on == 0.0].any()
