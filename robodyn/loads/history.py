@@ -35,7 +35,7 @@ class Courses:
         self.peaks: dict[str, tuple[int, Floats]] = {}
         self._largest = np.full(len(self.curves), -1.0)
 
-    def update(self, columns: Sequence[Floats], curves: Sequence[Floats]) -> None:
+    def update(self, columns: Sequence[Floats], curves: Sequence[Floats] | Floats) -> None:
         """Take in the next rows: each column, and each curve, of N values."""
         N = len(columns[0])
         numbers = np.arange(self.rows, self.rows + N)
@@ -63,7 +63,7 @@ class Courses:
 
     def frames(self) -> tuple[Floats, Floats]:
         """Return numbers (F,) from 0 and rows (F, columns) of every bucket's first row and the curves' peaks."""
-        numbers = np.arange(len(self.first)) * self.per
+        numbers = np.arange(float(len(self.first))) * self.per
         extra = [] if self.per == 1 else [*self.peaks.values()]
         numbers = np.concatenate((numbers, [number for number, _ in extra]))
         rows = np.concatenate((self.first, *(row[None] for _, row in extra)))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import cycle
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -27,7 +27,7 @@ class Course:
     def __init__(self, motion: Courses) -> None:
         self.motion = motion
         self.time = motion.first[:, 0]
-        self.rows = 1.0 + motion.per * np.arange(len(self.time))
+        self.rows: Floats = 1.0 + motion.per * np.arange(float(len(self.time)))
         numbers, frames = motion.frames()
         self.frames = dict(zip(motion.names, np.ascontiguousarray(frames.T), strict=True))
         self.frame_rows = 1.0 + numbers

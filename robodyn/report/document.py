@@ -1,7 +1,7 @@
 """The document of a report, the door of this room: a result is said once, as blocks, and shown in every form.
 
 1. `torques.py`, `check.py` and so on, one for each subject: `*_sections` are its words and tables.
-2. `*_page` puts verdict, charts (`charts.py`), robots (`stage.py`) and data beside them; `*_json` selects the result's fields.
+2. `*_page` puts verdict, charts (`charts.py`), robots (`stage.py`), data beside them; `*_json` selects fields.
 3. `limits.py` judges: the one verdict on a motion; `table.py` and `sizes.py` write numbers, noise as 0.
 4. `text` here, and `renderers/`, show any document: HTML, Markdown; findings as SARIF, JUnit, GitHub's lines; LaTeX.
 """
@@ -62,7 +62,7 @@ class Table:
 
 @dataclass(frozen=True)
 class Chart:
-    """A plot: what it shows, what is to be seen for those who cannot, and what the page's script draws (`charts.py`)."""
+    """A plot: its caption, what it shows in words, and what the page's script draws (`charts.py`)."""
 
     caption: str
     alt: str

@@ -223,7 +223,7 @@ def _external(
         own: list[Entry] = [columns[each] if isinstance(each, str) else [float(each)] for each in entries]
         if not ground and not np.array_equal(axes.R, np.eye(3)):
             parts = [np.asarray(each) for each in own]
-            own = [sum(r * part for r, part in zip(row, parts, strict=True)) for row in axes.R]  # type: ignore[misc]
+            own = [sum(r * part for r, part in zip(row, parts, strict=True)) for row in axes.R]
             own = [each if len(each) > 1 else each.tolist() for each in own]  # type: ignore[union-attr]
         cone = None if contact is None or moment else [contact.friction, *normal_of(contact, tree).tolist()]
         yield _arrow(kind, what, place.body, None if ground else axes.body, point, own, moment, cone)
@@ -284,11 +284,11 @@ def _primitive(kind: str, size: Sequence[float]) -> Floats:
     angles = turn + 2.0 * pi * np.arange(around + 1) / around
     rings = np.stack([np.stack((r * np.cos(angles), r * np.sin(angles), 0.0 * angles + z), axis=1) for r, z in outline])
     a, b, c, d = rings[:-1, :-1], rings[:-1, 1:], rings[1:, :-1], rings[1:, 1:]
-    return scale * np.stack((np.stack((a, b, d), axis=2), np.stack((a, d, c), axis=2))).reshape(-1, 3, 3)
+    return np.asarray(scale * np.stack((np.stack((a, b, d), axis=2), np.stack((a, d, c), axis=2))).reshape(-1, 3, 3))
 
 
 def shapes_of_bodies(model: Model) -> tuple[dict[int, Floats], str]:
-    """Return by body its visual shapes in its frame, its collision shapes where it has no others, and what is missing."""
+    """Return by body its visual shapes in its frame, else its collision shapes, and what is missing."""
     if model.description is None:
         return {}, ""
     shapes, why = shapes_of(model.description)
@@ -318,7 +318,8 @@ def _meshes(parts: Sequence[tuple[dict[str, Any], Floats]]) -> tuple[list[dict[s
         if many <= TRIANGLES:
             break
         cell *= max(1.15, min((many / TRIANGLES) ** 0.5, 8.0))
-    meshes, error = [], 0.0
+    meshes: list[dict[str, Any]] = []
+    error = 0.0
     for (body, corners), (numbers, means, faces) in zip(parts, found, strict=True):
         low = means.min(axis=0)
         step = float((means - low).max()) / 0xFFFF or 1e-9

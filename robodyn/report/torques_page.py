@@ -12,7 +12,7 @@ from robodyn.dynamics.constraints.constraint_jacobian import tree_scene
 from robodyn.equations.free_body.bodies import free_bodies
 from robodyn.errors import RobodynError
 from robodyn.loads.result import JointLoad, Result
-from robodyn.loads.sizing import load_torque, motor_torque, train_of
+from robodyn.loads.sizing import allowed, load_torque, motor_torque, train_of
 from robodyn.loads.statistics import joint_of_rates
 from robodyn.report import document as doc
 from robodyn.report import stage
@@ -22,9 +22,9 @@ from robodyn.report.limits import effort_use, offenders, torques_verdict, use_ba
 from robodyn.report.sizes import Sizes, free_body_sizes, result_sizes, speed_unit
 from robodyn.report.table import gravity_text, is_noise, moment, number, printable
 from robodyn.report.torques import load_table, torques_json, torques_sections
-from robodyn.robot.model import Model
+from robodyn.robot.model import Joint, Model
 from robodyn.scene.scene import Scene
-from robodyn.support.floats import ranked
+from robodyn.support.floats import Floats, ranked
 from robodyn.support.wording import count
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = Tr
     if pictures and result.history is not None:
         shapes, why = stage.shapes_of_bodies(model)
         words = (
-            "The robot along the motion; links in the colours of their joints' use of effort: green, red above 100 %"
+            "The robot along the motion; links are coloured by what their joints use of their limits, red above 100 %"
         )
         course = Course(result.history.motion)
         shown = stage.robot(model, [motion_of(course, result, model, scene)])
@@ -66,13 +66,40 @@ def motion_of(course: Course, result: Result, model: Model, scene: Scene) -> dic
     columns = course.frames
     tree = tree_scene(model, scene) if scene.constrained else scene
     q = [columns[f"q_{name}"] for name in model.coordinates]
-    limits = {joint.name: joint.effort_limit for joint in result.joints}
+    loads = {load.name: load for load in result.joints}
     use = [
-        (columns[f"tau_{body.joint.name}"], limit) if (limit := limits.get(body.joint.name)) else None
+        (share, 1.0) if load and (share := _use(course, load, body.joint, scene)) is not None else None
         for body in model.bodies
+        for load in [loads.get(body.joint.name)]
     ]
     arrows = stage.loads(model, tree, columns, scene.contacts)
     return stage.motion("", columns["time"], q, rows=course.frame_rows, use=use, arrows=arrows)
+
+
+def _use(course: Course, load: JointLoad, joint: Joint, scene: Scene) -> Floats | None:
+    """Return (F,) the largest share that a joint uses of its limits of effort and speed, and those of its motor."""
+    shares = [
+        np.abs(course.frames[f"{key}_{load.name}"]) / limit
+        for key, limit in (("tau", load.effort_limit), ("qd", load.velocity_limit))
+        if limit
+    ]
+    motor, shaft = scene.motor.get(joint.name), _at_shaft(course, joint, scene)
+    if motor is not None and shaft is not None:
+        torque, speed = map(np.abs, shaft)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            shares.append(np.nan_to_num(torque / allowed(motor.peak, speed), nan=0.0, posinf=10.0))
+        if motor.max_speed:
+            shares.append(speed / motor.max_speed)
+    return np.max(shares, axis=0) if shares else None
+
+
+def _at_shaft(course: Course, joint: Joint, scene: Scene) -> tuple[Floats, Floats] | None:
+    """Return (F,) torque and speed of the motor that drives a joint; None without one."""
+    train = train_of(joint, scene)
+    if train is None:
+        return None
+    tau, qd, qdd = (course.frames[f"{key}_{joint.name}"] for key in ("tau", "qd", "qdd"))
+    return motor_torque(train, load_torque(train, tau, qdd), qd, qdd), train.gear * qd
 
 
 def _charts(result: Result, model: Model, scene: Scene, history: History, course: Course) -> Iterator[doc.Block]:
@@ -189,7 +216,8 @@ def _energy_chart(result: Result, history: History, size: Sizes) -> Iterator[doc
     curves = {name: energy.of(name) for name in energy.curves}
     if any(not is_noise(float(np.abs(np.stack(both)).max()), size["J"]) for both in curves.values()):
         fit = "agree" if balance.consistent else "disagree"
-        alt = f"Work done less losses and energy stored over time; they {fit}, at worst by {number(balance.worst, size['J'])} J"
+        worst = number(balance.worst, size["J"])
+        alt = f"Work done less losses and energy stored over time; they {fit}, at worst by {worst} J"
         caption = "Energy check: work less losses, and energy stored"
         yield time_chart(caption, alt, energy.first[:, 0], curves, "J")
 
@@ -234,11 +262,10 @@ def _motor_charts(result: Result, model: Model, scene: Scene, course: Course) ->
     that is judged against the continuous curve: RMS torque at the mean speed."""
     joints = joint_of_rates(model)[6 if model.floating else 0 :]
     for joint, sized in zip(joints, result.sizing.joints if result.sizing else (), strict=bool(result.sizing)):
-        train, motor = train_of(joint, scene), sized.motor
-        if train is None or motor is None:
+        shaft, motor = _at_shaft(course, joint, scene), sized.motor
+        if shaft is None or motor is None:
             continue
-        tau, qd, qdd = (course.frames[f"{key}_{sized.name}"] for key in ("tau", "qd", "qdd"))
-        torque, speed = motor_torque(train, load_torque(train, tau, qdd), qd, qdd), train.gear * qd
+        torque, speed = shaft
         fastest, lines = max(float(np.abs(speed).max()), motor.speed_limit or 0.0), {}
         for curve, label in ((motor.peak_curve, "peak curve"), (motor.continuous, "continuous curve")):
             if curve is not None:
@@ -248,10 +275,11 @@ def _motor_charts(result: Result, model: Model, scene: Scene, course: Course) ->
                 else:
                     speeds, torques = np.array((0.0, *speeds, speeds[-1])), np.array((torques[0], *torques, 0.0))
                 quadrants = [*product((1.0, -1.0), repeat=2)]
-                lines[label] = tuple(
+                across, up = (
                     np.concatenate([np.append(sign[k] * part, np.nan) for sign in quadrants])
                     for k, part in enumerate((speeds, torques))
                 )
+                lines[label] = across, up
         name, over = printable(sized.name), motor.continuous_limit is not None and motor.rms > motor.continuous_limit
         unit, colours = motor.unit, {"samples": "c1", "peak curve": "bad", "continuous curve": "c2"}
         said = f"RMS torque {number(motor.rms)} {unit} at the mean speed {number(motor.mean_speed)} {motor.speed_unit}"

@@ -80,8 +80,8 @@ def _uplot(name: str) -> str:
 
 
 def packed(looks: Any) -> str:
-    """Return JSON of charts and views, {"looks", "arrays"}: an array is its number among these, each once, as 32 bits of
-    its range: value = low + step k to within 2^-32 of the range; k = -2^31 is nan."""
+    """Return JSON of charts and views, {"looks", "arrays"}: an array is its number among these, each once, 32 bits of
+    its range for a value: low + step k, within 2^-32 of the range; k = -2^31 is nan."""
     numbers: dict[int, int] = {}
     arrays: list[Any] = []
     kept: list[Any] = []  # an array that is gone may leave its id to another
@@ -137,7 +137,7 @@ def escaped(text: str) -> str:
     return _SPECIAL.sub(r"\\\1", printable(" ".join(text.split()))).replace(r"\@", "@\u200b")
 
 
-def _block(block: doc.Block) -> str:
+def _block(block: doc.Block) -> str:  # noqa: PLR0911
     if isinstance(block, (doc.Heading, doc.Paragraph)):
         return ("## " if isinstance(block, doc.Heading) else "") + escaped(block.text)
     if isinstance(block, doc.Verdict):
@@ -155,8 +155,9 @@ def _block(block: doc.Block) -> str:
         return "\n".join(found)
     if isinstance(block, doc.Bars):
         said = [(name, words or ", ".join(label for label, *_ in bars)) for name, bars, words in block.rows]
-        lines = [f"- {escaped(name)}: {escaped(words)}" for name, words in said]
-        return "\n".join([f"**{escaped(block.caption)}**", "", *lines])
+        return "\n".join(
+            [f"**{escaped(block.caption)}**", "", *(f"- {escaped(name)}: {escaped(words)}" for name, words in said)]
+        )
     if not isinstance(block, doc.Table):
         return ""
     rule = ["---:" if right else "---" for right in numeric_columns(block.head, block.rows)]
