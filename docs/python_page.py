@@ -42,6 +42,7 @@ TOPICS = {
         "simulate",
         "rollouts",
         "linearize",
+        "view",
         "export",
         "excite",
         "read_log",

@@ -33,7 +33,8 @@ class View:
     """A page, which notebooks show.
 
     Attributes:
-        name: of the robot; html: the page as text, for a file.
+        name: of the robot.
+        html: the page as text, for a file.
     """
 
     name: str
@@ -45,7 +46,7 @@ class View:
 
 
 def view(model: Model, motion: Motion | None = None, scene: Scene = DEFAULT, at: Values | None = None) -> View:
-    """Return a page that shows a robot in 3-D; in a notebook it is seen, and `view(model).html` is for a file.
+    """Return a page that shows a robot in 3-D: a notebook shows it, and its `html` can be written to a file.
 
     Args:
         motion: of `robodyn.motion`, a file, or a reader of `robodyn.read_motion`: the page is that of `torques`, which
