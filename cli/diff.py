@@ -47,7 +47,7 @@ def command(call: Call, a: str, b: str, tolerance: float | None) -> int:
     answer(
         call,
         comparison_sections(found),
-        lambda _: comparison_page(found),
+        lambda pictures: comparison_page(found, pictures),
         json=lambda: comparison_json(found),
         junit=lambda: check_junit(Checked((b,), findings(found))),
         github=lambda: check_github(findings(found)),

@@ -11,6 +11,7 @@ from robodyn.comparison.compare import Comparison
 from robodyn.comparison.torques import PARTS, RELATIVE, TorqueDifference
 from robodyn.report import document as doc
 from robodyn.report.table import number
+from robodyn.robot.kinematics import configuration, nearest_to_zero
 from robodyn.robot.urdf.view import Subject
 from robodyn.support.wording import count, shown_path
 
@@ -57,10 +58,71 @@ def verdict(found: Comparison) -> doc.Verdict:
     return doc.Verdict("bad", headline, reasons)
 
 
-def comparison_page(found: Comparison) -> doc.Document:
+def comparison_page(found: Comparison, pictures: bool = True) -> doc.Document:
+    """Return the verdict, both robots laid over each other, how far torques are apart, and what the text says."""
     names = [each.name or shown_path(each.file) for each in (found.a, found.b)]
-    blocks = [block for section in [*comparison_sections(found)][:-1] for block in section]
-    return doc.Document(" and ".join(names), "comparison of two descriptions", (verdict(found), *blocks))
+    what = f"Comparison of two descriptions, A: {shown_path(found.a.file)}, B: {shown_path(found.b.file)}"
+    first = (verdict(found), *(_overlay(found) if pictures else ()), *_bars(found))
+    sections, data = [*comparison_sections(found)][1:-1], [("comparison.json", comparison_json(found))]
+    return doc.page(" and ".join(names), what, first, sections, "", data, "robodyn diff --format json prints it")
+
+
+def _overlay(found: Comparison) -> Iterator[doc.Block]:
+    """Yield A and B, which sliders move together, with what differs; lit are the links that are guilty of torques, of
+    all that differ where none is."""
+    from robodyn.report import stage
+
+    robots = (found.a, found.b)
+    places = [
+        {("link", link): frame.body for link, frame in each.links.items()}
+        | {("joint", body.joint.name): k for k, body in enumerate(each.bodies)}
+        for each in robots
+    ]
+    partner = {pair.a: pair.b for pair in found.pairs}
+    guilty = [one.difference for one in found.torques if one.difference and one.exceeds(found.tolerance)]
+    said: tuple[dict[str, list[str]], ...] = {}, {}
+    lit: tuple[set[str], ...] = set(), set()
+    for one in found.differences:
+        k_a, k_b = (place.get((one.subject, one.name)) for place in places)
+        for side, k in enumerate((k_a, k_b if k_a is None else partner.get(k_a))):
+            if k is not None:
+                name = robots[side].bodies[k].name
+                said[side].setdefault(name, []).append(f"{one.kind} {one.says[0]} in A, {one.says[1]} in B")
+                lit[side].update([name] if one in guilty or not guilty else [])
+    poses = {"zero pose, or the nearest limits": configuration(found.a, nearest_to_zero(found.a))}
+    if found.worst and found.worst.exceeds(found.tolerance):
+        poses[f"pose where {found.worst.joint} differs most"] = configuration(found.a, found.worst.pose)
+    motions: tuple[list[dict[str, Any]], ...] = [], []
+    for name, q in poses.items():
+        q_b, sliders = configuration(found.b), []
+        for pair in found.pairs:
+            own, its = found.a.bodies[pair.a].joint, found.b.bodies[pair.b].joint
+            if own.kind == its.kind in ("revolute", "prismatic") and its.mimics is None:
+                sign, offset = pair.sign * own.multiplier, pair.sign * own.offset + pair.offset
+                q_b[its.coordinate] = sign * q[own.coordinate] + offset
+                sliders.append({"q": its.coordinate, "of": own.coordinate, "sign": sign, "offset": offset})
+        motions[0].append(stage.pose(found.a, q.tolist()) | {"name": name})
+        motions[1].append(stage.pose(found.b, q_b.tolist()) | {"name": name, "sliders": sliders})
+    words = [{name: "; ".join(lines) for name, lines in each.items()} for each in said]
+    mine = stage.robot(found.a, motions[0], name="A", lit=lit[0], words=words[0])
+    theirs = stage.robot(found.b, motions[1], name="B", lit=lit[1], words=words[1], colour="c1", alpha=0.45)
+    shapes = [stage.shapes_of_bodies(each) for each in robots]
+    what = "links guilty of the torques" if guilty else "links that differ"
+    caption = f"A, grey, and B, blue and seen through, laid over each other{f'; {what} in red' if any(lit) else ''}"
+    yield stage.stage(caption, [mine, theirs], [each for each, _ in shapes])
+    yield from doc.paragraphs(dict.fromkeys(why for _, why in shapes if why))
+
+
+def _bars(found: Comparison) -> list[doc.Block]:
+    """Return how far each joint's torques are apart, in parts of its limit of effort."""
+    rows = []
+    for one in found.torques:
+        of = "of its limit" if one.limit else "of its largest torque"
+        words = f"{number(one.worst, one.largest)} {one.unit}, {100 * one.share:.3g} % {of}"
+        colour = "bad" if one.exceeds(found.tolerance) else "good"
+        rows.append((one.joint, [(words, 0.0, min(100 * one.share, 100.0), colour)], ""))
+    note = "Over random motions within the limits of both, and a search around the worst of them; bars end at 100 %."
+    return [doc.Bars("Largest difference of each joint's torque", rows, note)] if rows else []
 
 
 def comparison_json(found: Comparison) -> str:

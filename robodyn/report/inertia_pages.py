@@ -216,7 +216,7 @@ def differences_page(found: Comparison, description: Description, pictures: bool
         caption = "The robot, links that differ lit, and ellipsoids of the declared masses and inertias"
         first += _robot(description, caption, lit=far)
     rows = [
-        (name, [(name, 0.0, min(100 * each, 100.0), "doubtful" if name in far else "good")], f"{100 * each:.3g} %")
+        (name, [(f"{100 * each:.3g} %", 0.0, min(100 * each, 100.0), "doubtful" if name in far else "good")], "")
         for name, each in differences.items()
     ]
     caption, note = "Inertia: declared less that of the shapes, over the latter", "About the mass centres; to 100 %."

@@ -407,7 +407,7 @@ function makeViewer(figure, stage, arrays, colours, onTime) {
     const [r, k] = state.picked, { robot } = now[r], body = robot.bodies[k];
     const element = (tag, text) => { const made = document.createElement(tag); made.textContent = text; return made; };
     const number = (x, most = 1) => Math.abs(x) < 1e-7 * most ? "0" : Number(x.toPrecision(5)).toString();
-    panel.append(element("h3", body.name));
+    panel.append(element("h3", robots.length > 1 && robot.name !== body.name ? `${robot.name}: ${body.name}` : body.name));
     panel.append(element("p", `${number(body.mass)} kg, mass centre (${body.centre.map((x) => number(x)).join(", ")}) m${body.words ? `; ${body.words}` : ""}`));
     const share = useOf(robot, k);
     if (share >= 0) panel.append(element("p", `joint ${body.joint}: ${number(100 * share)} % of its limit now`));
@@ -498,7 +498,7 @@ function makeViewer(figure, stage, arrays, colours, onTime) {
     $("layers").append(label);
   }
   robots.forEach((robot, r) => robot.bodies.forEach((body, k) => {
-    $("links").append(new Option(robots.length > 1 ? `${robot.name}: ${body.name}` : body.name, `${r},${k}`));
+    $("links").append(new Option(robots.length > 1 && robot.name !== body.name ? `${robot.name}: ${body.name}` : body.name, `${r},${k}`));
   }));
   $("links").addEventListener("change", (event) => choose(event.target.value ? event.target.value.split(",").map(Number) : null));
   const names = robots[0].motions.map((motion) => motion.name);
