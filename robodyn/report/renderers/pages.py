@@ -20,6 +20,7 @@ from robodyn.support.extras import need
 from robodyn.support.floats import Floats
 
 _ASSETS = Path(__file__).parent / "assets"
+_DRAWN = (doc.Chart, doc.Stage, doc.Gallery)
 _SPECIAL = re.compile(r"([\\`*_{}\[\]<>#|~&@])")
 _SIGNS = {"good": "✅", "doubtful": "⚠️", "bad": "❌", "neutral": "ℹ️"}  # noqa: RUF001
 
@@ -64,6 +65,7 @@ def html(document: doc.Document) -> str:
         scripts=[Markup(script) for script in scripts],
         digests=[base64.b64encode(hashlib.sha256(f"\n{script}\n".encode()).digest()).decode() for script in scripts],
         data=Markup(packed(looks)) if looks else "",
+        drawn=max([k for k, block in enumerate(document.blocks) if isinstance(block, _DRAWN)], default=len(document.blocks)),
         sections=[block.text for block in document.blocks if isinstance(block, doc.Heading)],
         numeric=lambda table: numeric_columns(table.head, table.rows),
         explained=lambda head: {title: meanings[title] for title in head if title in meanings},
@@ -118,9 +120,7 @@ def _array(values: Floats) -> dict[str, Any]:
 
 def markdown(document: doc.Document) -> str:
     """Return the report as Markdown. Whatever could be Markdown or HTML in its words is escaped."""
-    kept = [
-        block for block in document.blocks if not isinstance(block, (doc.Chart, doc.Stage, doc.Gallery, doc.Downloads))
-    ]
+    kept = [block for block in document.blocks if not isinstance(block, (*_DRAWN, doc.Downloads))]
     parts = [f"# {escaped(document.title)}", escaped(document.subtitle)]
     for block, after in zip(kept, [*kept[1:], doc.Heading("")], strict=True):
         if not (isinstance(block, doc.Heading) and isinstance(after, doc.Heading)):  # a heading without its pictures

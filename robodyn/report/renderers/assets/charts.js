@@ -51,7 +51,7 @@ requestAnimationFrame(() => setTimeout(() => {
   };
   const axes = (across, up, log) => [across, up].map((label, k) => ({
     stroke: () => style("ink"), label: label ?? undefined, labelSize: k ? 18 : 22, size: k ? 58 : 34, font: "12px system-ui, sans-serif",
-    labelFont: "12px system-ui, sans-serif", grid: { stroke: style("grid"), width: 1 }, ticks: { stroke: style("grid"), width: 1 },
+    labelFont: "12px system-ui, sans-serif", grid: { stroke: () => style("grid"), width: 1 }, ticks: { stroke: () => style("grid"), width: 1 },
     values: (_, ticks) => ticks.map((tick) => (tick === null ? "" : log && (tick < 1e-3 || tick >= 1e6) ? tick.toExponential() : short(tick)).replace("-", "\u2212")),
     ...(log ? { splits: (_, axis, min, max) => logTicks(min, max), filter: (_, ticks) => ticks } : {}),
     space: k ? 34 : 60,
@@ -87,7 +87,7 @@ requestAnimationFrame(() => setTimeout(() => {
     const zigzag = (low, high) => { const out = new Float64Array(2 * low.length); low.forEach((v, k) => { out[2 * k] = v; out[2 * k + 1] = high[k]; }); return out; };
     const clean = (values) => Array.from(values, (v) => Number.isNaN(v) ? null : v);
     const data = [banded ? twice(x) : x, ...look.series.map(({ y, high }) => clean(banded ? zigzag(arrays[y], arrays[high ?? y]) : arrays[y]))];
-    const self = { figure, setWidth: () => u.setSize(room()) };
+    const self = { resize: (size) => u.setSize(size ?? room()) };
     const room = () => ({ width: Math.max(host.clientWidth, 200), height: look.height ?? 210 });
     const tell = (idx) => {
       const k = banded ? idx >> 1 : idx, rows = look.rows === null ? null : arrays[look.rows];
@@ -151,8 +151,7 @@ requestAnimationFrame(() => setTimeout(() => {
       event.preventDefault();
     });
     readout(figure, "", look.series.map(({ label, colour }) => [colour, label, ""]));
-    self.redraw = () => { u.redraw(false, true); };
-    return Object.assign(self, { u, tell });
+    return Object.assign(self, { u });
   }
 
   function planeChart(figure, look) {
@@ -164,14 +163,10 @@ requestAnimationFrame(() => setTimeout(() => {
       const gap = 0.07 * (most - least || Math.abs(most) || 1);
       return [least - gap, most + gap];
     };
-    let ranges = [range(0), range(1)];
+    let ranges = [];
     const room = () => ({ width: Math.max(host.clientWidth, 200), height: look.height ?? (look.log ? 360 : 300) });
-    if (look.equal) {
-      const { width, height } = room(), unit = Math.max((ranges[0][1] - ranges[0][0]) / (width - 90), (ranges[1][1] - ranges[1][0]) / (height - 60));
-      ranges = ranges.map(([low, high], k) => { const half = unit * (k ? height - 60 : width - 90) / 2; return [(low + high) / 2 - half, (low + high) / 2 + half]; });
-    }
     const time = look.time === null ? null : arrays[look.time];
-    const self = { figure, at: null };
+    const self = { at: null };
     const paint = (u) => {
       const { ctx } = u, ratio = devicePixelRatio;
       ctx.save();
@@ -232,7 +227,7 @@ requestAnimationFrame(() => setTimeout(() => {
           if (width < 4 && height < 4) return;
           ranges = [[left, left + width].map((p) => u.posToVal(p, "x")), [top + height, top].map((p) => u.posToVal(p, "y"))];
           u.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
-          u.setData(ends());
+          ends();
         }],
         setCursor: [(u) => {
           const { left, top } = u.cursor;
@@ -252,20 +247,18 @@ requestAnimationFrame(() => setTimeout(() => {
         }],
       },
     }, [[], []], host);
-    const ends = () => [ranges[0], [null, null]];
-    u.setData(ends());
-    const whole = ranges;
-    u.over.addEventListener("dblclick", () => { ranges = whole; u.setData(ends()); });
-    host.addEventListener("keydown", (event) => {
-      if (event.key !== "Escape") return;
-      ranges = whole;
-      u.setData(ends());
-    });
+    const whole = [range(0), range(1)], ends = () => u.setData([ranges[0], [null, null]]);
+    function fit() { // all there is, with one scale for both axes where they are equal
+      const rooms = [u.width - 90, u.height - 60], unit = Math.max(...whole.map(([low, high], k) => (high - low) / rooms[k]));
+      ranges = look.equal ? whole.map(([low, high], k) => [-1, 1].map((sign) => (low + high + sign * unit * rooms[k]) / 2)) : whole;
+      ends();
+    }
+    fit();
+    u.over.addEventListener("dblclick", fit);
+    host.addEventListener("keydown", (event) => { if (event.key === "Escape") fit(); });
     if (time) self.show = (t) => { self.at = nearest(time, t); u.redraw(false); };
-    const title = document.createElement("span");
-    title.className = "note";
     readout(figure, "", [...look.series, ...look.marks.map(([, , label, colour]) => ({ label, colour }))].map(({ label, colour }) => [colour, label, ""]));
-    return Object.assign(self, { u, setWidth: () => u.setSize(room()), redraw: () => u.redraw(false, true) });
+    return Object.assign(self, { u, resize: (size) => { u.setSize(size ?? room()); fit(); } });
   }
 
   const made = new Map();
@@ -282,10 +275,23 @@ requestAnimationFrame(() => setTimeout(() => {
   }), { rootMargin: "400px" });
   const figures = [...document.querySelectorAll("figure.chart")];
   figures.forEach((figure) => waiting.observe(figure));
-  new ResizeObserver(() => made.forEach((chart) => chart.setWidth())).observe(document.querySelector("main"));
-  const all = () => { figures.forEach(make); made.forEach((chart) => { chart.setWidth(); chart.redraw(); }); shared.stages.forEach((stage) => stage.render()); };
-  window.addEventListener("beforeprint", all);
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { made.forEach((chart) => chart.redraw()); shared.stages.forEach((stage) => stage.redraw()); });
+  const all = (size) => {
+    figures.forEach(make);
+    made.forEach((chart) => { chart.resize(size); chart.u.redraw(false, true); });
+    shared.stages.forEach((stage) => stage.render());
+  };
+  // On paper: so many charts beside each other that they fit on one page, in the colours of paper.
+  const root = document.documentElement, galleries = [...document.querySelectorAll(".gallery")];
+  window.addEventListener("beforeprint", () => {
+    const rows = (across) => galleries.reduce((sum, each) => sum + Math.ceil(each.children.length / across), 0);
+    const across = [3, 4, 5, 6, 7].find((n) => rows(n) * (420 / n + 40) + 28 * galleries.length <= 940) ?? 8;
+    root.style.setProperty("--across", across);
+    root.classList.add("paper");
+    all({ width: 1150 / across, height: 690 / across });
+  });
+  window.addEventListener("afterprint", () => { root.classList.remove("paper"); all(); });
+  new ResizeObserver(() => made.forEach((chart) => chart.resize())).observe(document.querySelector("main"));
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => all());
   for (const figure of document.querySelectorAll("figure.stage")) {
     const stage = makeViewer(figure, looks[Number(figure.dataset.look)], arrays, rgb, (t) => setTime(t, stage));
     if (stage) shared.stages.push(stage);

@@ -348,7 +348,6 @@ function makeViewer(figure, stage, arrays, colours, onTime) {
     }
     gl.depthMask(true);
     gl.disable(gl.BLEND);
-    $("clock").textContent = clockWords();
   }
   let dirty = false;
   const redraw = () => {
@@ -451,6 +450,7 @@ function makeViewer(figure, stage, arrays, colours, onTime) {
     const [first, last] = span();
     state.time = Math.min(Math.max(t, first), last);
     $("time").value = state.time;
+    $("clock").textContent = clockWords();
     $("time").setAttribute("aria-valuetext", clockWords());
     if (!told) onTime(state.time);
     if (state.picked) { placed(); tell(); }

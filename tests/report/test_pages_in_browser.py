@@ -1,0 +1,327 @@
+"""Pages in a real browser, without network: what is seen is what was computed, by pointer, keyboard, phone and paper."""
+
+from __future__ import annotations
+
+import csv
+import os
+import re
+import shutil
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from helpers.command_line import HEADER, ROBOTS, run, write_arm
+from scipy.spatial.transform import Rotation
+
+import robodyn
+from robodyn.robot.kinematics import body_poses
+
+CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+ARGUMENTS = (
+    "--no-sandbox --disable-quic --no-first-run --disable-background-networking --disable-component-update "
+    "--disable-sync --enable-unsafe-swiftshader --use-angle=swiftshader"
+)
+MOTIONS = {
+    "fixed": ("puma560", "puma560_sweep", ""),
+    "motors": ("puma560", "puma560_sweep", "puma560_sizing"),
+    "prismatic": ("scara", "scara_pick_and_place", ""),
+    "mimic": ("gripper", "gripper_pick", "gripper"),
+    "floating": ("satellite", "satellite_slew", "satellite"),
+    "loop": ("four_bar", "four_bar_lift", "four_bar_lift"),
+    "feet": ("quadruped", "quadruped_trot", "quadruped_trot"),
+}
+"""Pages of `torques`: a robot, its motion, and its scene."""
+CALLS = {
+    name: ("torques", f"{robot}.urdf", f"{motion}.csv", *(("--scene", f"{scene}.toml") if scene else ()))
+    for name, (robot, motion, scene) in MOTIONS.items()
+}
+"""Pages by name: the command, in which names of files are those of `robots/`."""
+PAGES = [pytest.param(name, marks=[pytest.mark.slow] * (name != "fixed")) for name in CALLS]
+STAGES = """() => robodyn.stages[0].poses()[0]"""
+CLOCK = '[data-part="clock"]'
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Any]:
+    if CHROMIUM is None:
+        assert not os.environ.get("ROBODYN_NEEDS_BROWSER"), "no Chromium is installed"
+        pytest.skip("there is no Chromium")
+    api = pytest.importorskip("playwright.sync_api")
+    with api.sync_playwright() as driver:
+        browser = driver.chromium.launch(executable_path=CHROMIUM, args=ARGUMENTS.split())
+        yield browser
+        browser.close()
+
+
+@pytest.fixture(scope="session")
+def written(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+    """Pages by name, each made once."""
+    folder = tmp_path_factory.mktemp("pages")
+
+    def page(name: str) -> Path:
+        file = folder / f"{name}.html"
+        if not file.exists():
+            words = [str(ROBOTS / word) if "." in word else word for word in CALLS[name]]
+            outcome = run(*words, "--report", str(file), "--out", str(folder / f"{name}.csv"))
+            assert outcome.status in (0, 1), outcome.err
+        return file
+
+    return page
+
+
+@pytest.fixture
+def opened(browser: Any) -> Iterator[Callable[..., Any]]:
+    """Open a file, of which no request may leave, and on whose console nothing may be complained."""
+    contexts, said, asked, files = [], [], [], []
+
+    def page(file: Path, width: int = 1300, **options: Any) -> Any:
+        contexts.append(browser.new_context(viewport={"width": width, "height": 1000}, offline=True, **options))
+        found = contexts[-1].new_page()
+        found.on("pageerror", lambda error: said.append(str(error)))
+        found.on("console", lambda message: said.append(message.text))
+        found.on("request", lambda request: asked.append(request.url))
+        files.append(file.as_uri())
+        found.goto(files[-1])
+        until = time.monotonic() + 60.0
+        while found.evaluate("!!document.getElementById('data') && !window.robodyn") and time.monotonic() < until:
+            found.wait_for_timeout(50)
+        return found
+
+    yield page
+    for context in contexts:
+        context.close()
+    assert said == []
+    assert [url for url in asked if not url.startswith("data:")] == files
+
+
+def table(file: Path) -> dict[str, list[float]]:
+    """The columns of the table that `--out` wrote."""
+    with file.with_suffix(".csv").open(encoding="utf-8") as stream:
+        head, *rows = csv.reader(stream)
+    return {name: [float(row[k]) for row in rows] for k, name in enumerate(head)}
+
+
+def analysed(name: str) -> tuple[Any, Any]:
+    urdf, motion, toml = (ROBOTS / f"{stem}{end}" for stem, end in zip(MOTIONS[name], (".urdf", ".csv", ".toml")))
+    scene = robodyn.load_scene(toml) if MOTIONS[name][2] else robodyn.Scene()
+    model = robodyn.load(urdf, moving_base=scene.moving_base)
+    return model, robodyn.torques(model, motion, scene, history=True)
+
+
+def chart(page: Any, caption: str) -> Any:
+    """The chart under a caption, in view and drawn."""
+    found = page.locator("figure.chart").filter(has=page.locator("figcaption", has_text=caption)).first
+    found.scroll_into_view_if_needed()
+    for _ in range(100):
+        if found.locator("canvas").count():
+            break
+        page.wait_for_timeout(30)
+    return found
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_nothing_leaves_and_all_is_drawn(written, opened, name: str) -> None:
+    """On a wide screen and a phone, in light and dark: the canvas is not blank, and nothing is wider than the screen."""
+    for width, scheme in ((1300, "light"), (400, "dark")):
+        page = opened(written(name), width, color_scheme=scheme)
+        page.evaluate("robodyn.all()")
+        page.wait_for_timeout(200)
+        assert page.evaluate("document.documentElement.scrollWidth") <= width
+        for canvas in page.locator("canvas").all():
+            colours = canvas.evaluate(
+                """(canvas) => { const copy = new OffscreenCanvas(canvas.width, canvas.height), to = copy.getContext("2d");
+                to.drawImage(canvas, 0, 0);
+                const all = new Uint32Array(to.getImageData(0, 0, canvas.width, canvas.height).data.buffer);
+                return new Set(all).size; }"""
+            )
+            assert colours > 8
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", MOTIONS)
+def test_links_are_where_kinematics_say(written, opened, name: str) -> None:
+    """At rows of the whole motion, and between the axes of the ground and of the base where that moves."""
+    model, result = analysed(name)
+    page, motion = opened(written(name)), result.history.motion
+    _, frames = motion.frames()
+    columns = {key: frames[:, k] for k, key in enumerate(motion.names)}
+    for row in np.linspace(0, len(frames) - 1, 7).astype(int).tolist():
+        found = page.evaluate(f"(robodyn.setTime({float(columns['time'][row])!r}), robodyn.stages[0].poses()[0])")
+        q = np.array([columns[f"q_{key}"][row] for key in model.coordinates])
+        places = {key: np.reshape(value, (4, 4)).T for key, value in found.items()}
+        base = np.eye(4)
+        if model.floating:
+            k = model.bodies[0].joint.coordinate
+            base[:3, :3], base[:3, 3] = Rotation.from_quat(q[k + 3 : k + 7]).as_matrix(), q[k : k + 3]
+        for body, place in zip(model.bodies, body_poses(model, q), strict=True):
+            expected = np.eye(4)
+            expected[:3, :3], expected[:3, 3] = np.array(place.R, float), np.array(place.p, float)
+            np.testing.assert_allclose(places[body.name], base @ expected, rtol=0.0, atol=1e-6)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["motors", "floating", "loop", "feet"])
+def test_arrows_are_as_long_as_the_numbers(written, opened, name: str) -> None:
+    """Every joint's peak at its time, and the forces of the base then."""
+    model, result = analysed(name)
+    numbers, frames = result.history.motion.frames()
+    columns = {key: frames[:, k] for k, key in enumerate(result.history.motion.names)}
+    page, child = opened(written(name)), {body.joint.name: body.name for body in model.bodies}
+    scales = page.evaluate("robodyn.stages[0].scales()")
+
+    def drawn(kind: str, body: str, moment: bool) -> float:
+        return sum(
+            each["length"] / scales["N m" if moment else "N"]
+            for each in page.evaluate("robodyn.stages[0].arrows()")
+            if (each["kind"], each["body"], each["moment"]) == (kind, body, moment)
+        )
+
+    loaded = [joint for joint in result.joints if abs(joint.peak) > 1e-9]
+    assert loaded
+    for joint in loaded:
+        page.evaluate(f"robodyn.setTime({float(joint.peak_time)!r})")
+        found = drawn("torque", child[joint.name], joint.unit == "N m")
+        assert found == pytest.approx(abs(joint.peak), rel=1e-6)
+        row = int(np.argmin(np.abs(columns["time"] - joint.peak_time)))
+        for moment, parts in ((False, "f"), (True, "m")):
+            size = np.linalg.norm([columns[f"base_{parts}{axis}"][row] for axis in "xyz"])
+            assert drawn("base", model.bodies[0].name, moment) == pytest.approx(size, rel=1e-6, abs=1e-6)
+
+
+@pytest.mark.slow
+def test_one_cursor_for_charts_robot_and_tables(written, opened) -> None:
+    page, data = opened(written("fixed")), table(written("fixed"))
+    clock, shoulder = page.locator(CLOCK), chart(page, "shoulder: torque")
+
+    def says(row: int) -> None:
+        at, value = data["time"][row - 1], data["tau_shoulder"][row - 1]
+        words = shoulder.locator(".readout").inner_text()
+        assert f"{at:.6g} s, row {row}" in words
+        assert float(re.search(r"torque (\S+) N m", words)[1]) == pytest.approx(value, rel=1e-5)
+        assert clock.inner_text() == f"{at:.6g} s, row {row}"
+
+    page.evaluate(f"robodyn.setTime({data['time'][73]})")
+    page.wait_for_timeout(100)
+    says(74)
+    shoulder.locator(".plot").press("ArrowRight")
+    page.wait_for_timeout(100)
+    says(75)
+    place = shoulder.evaluate(
+        """(figure, t) => { const { u } = robodyn.charts.get(figure), box = u.over.getBoundingClientRect();
+        return [box.left + u.valToPos(t, "x"), box.top + box.height / 2]; }""",
+        data["time"][300],
+    )
+    page.mouse.move(*place)
+    page.wait_for_timeout(100)
+    row = int(re.search(r"row (\d+)", clock.inner_text())[1])
+    assert abs(row - 301) <= 2
+    says(row)
+    button = page.locator("table:has(caption:has-text('Loads')) tr:has-text('shoulder') button.go").first
+    button.click()
+    page.wait_for_timeout(100)
+    assert clock.inner_text().startswith(f"{float(button.inner_text()):.6g} s, row ")
+    says(1 + int(np.argmax(np.abs(data["tau_shoulder"]))))
+
+
+@pytest.mark.slow
+def test_a_peak_of_one_row_in_a_hundred_thousand_stays(opened, tmp_path: Path) -> None:
+    write_arm(tmp_path)
+    rows = [f"{i / 100},0.1,0.2,0,0,0,{900 * (i == 73_210)}\n" for i in range(100_000)]
+    (tmp_path / "arm.csv").write_text(HEADER + "".join(rows))
+    words = ("torques", str(tmp_path / "arm.urdf"), str(tmp_path / "arm.csv"))
+    assert run(*words, "--report", str(tmp_path / "arm.html")).status in (0, 1)
+    result = robodyn.torques(robodyn.load(tmp_path / "arm.urdf"), tmp_path / "arm.csv")
+    peak = max(joint.peak for joint in result.joints if joint.name == "elbow")
+    page = opened(tmp_path / "arm.html")
+    elbow = chart(page, "elbow: torque")
+    most = """(figure) => { const { u } = robodyn.charts.get(figure), { min, max } = u.scales.x;
+        return [Math.max(...u.data[1].filter((_, k) => u.data[0][k] >= min && u.data[0][k] <= max)), u.scales.y.max, max - min]; }"""
+    whole = elbow.evaluate(most)
+    assert whole[0] == pytest.approx(peak, rel=1e-6)
+    left, top, wide = elbow.evaluate(
+        """(figure) => { const { u } = robodyn.charts.get(figure), box = u.over.getBoundingClientRect();
+        return [box.left + u.valToPos(732, "x"), box.top + 40, box.width]; }"""
+    )
+    page.mouse.move(left - 0.05 * wide, top)
+    page.mouse.down()
+    page.mouse.move(left + 0.05 * wide, top + 5, steps=4)
+    page.mouse.up()
+    page.wait_for_timeout(100)
+    zoomed = elbow.evaluate(most)
+    assert zoomed[0] == whole[0] <= zoomed[1]
+    assert zoomed[2] == pytest.approx(0.1 * whole[2], rel=0.1)
+    assert chart(page, "shoulder: torque").evaluate(most)[2] == pytest.approx(zoomed[2]), "charts zoom together"
+
+
+@pytest.mark.slow
+def test_names_with_markup_stay_text(opened, tmp_path: Path) -> None:
+    name = "<script>alert(1)</script><img src=x onerror=alert(2)>"
+    write_arm(tmp_path)
+    text = (tmp_path / "arm.urdf").read_text()
+    for old in ('"arm"', '"upper"', '"shoulder"'):
+        text = text.replace(old, '"' + name.replace("<", "&lt;").replace(">", "&gt;") + '"')
+    (tmp_path / "arm.urdf").write_text(text)
+    (tmp_path / "arm.csv").write_text((tmp_path / "arm.csv").read_text().replace("shoulder", name))
+    words = ("torques", str(tmp_path / "arm.urdf"), str(tmp_path / "arm.csv"))
+    assert run(*words, "--report", str(tmp_path / "arm.html")).status == 0
+    page = opened(tmp_path / "arm.html")
+    page.evaluate("(robodyn.all(), robodyn.stages[0].pick(0, 1))")
+    assert page.locator("main script, main img").count() == 0
+    for place in ("h1", ".panel h3", 'select[data-part="links"] option >> nth=2', "figcaption >> nth=1"):
+        assert name in page.locator(place).first.inner_text(), place
+
+
+@pytest.mark.slow
+def test_the_keyboard_reaches_and_moves_everything(written, opened) -> None:
+    page = opened(written("motors"))
+    page.evaluate("robodyn.all()")
+    reached = """() => { const at = document.activeElement, known = at.dataset.reached; at.dataset.reached = "";
+        return known === undefined && at !== document.body; }"""
+    page.keyboard.press("Tab")
+    while page.evaluate(reached):
+        page.keyboard.press("Tab")
+    missed = """() => [...document.querySelectorAll("a[href], button, select, input, summary, [tabindex]")]
+        .filter((each) => each.checkVisibility() && each.dataset.reached === undefined).map((each) => each.outerHTML)"""
+    assert page.evaluate(missed) == []
+    canvas, clock = page.locator("canvas[data-part]"), page.locator(CLOCK)
+    for key in ("ArrowLeft", "ArrowUp", "Shift+ArrowLeft", "+"):
+        before = canvas.evaluate("(canvas) => canvas.toDataURL()")
+        canvas.press(key)
+        page.wait_for_timeout(150)
+        assert canvas.evaluate("(canvas) => canvas.toDataURL()") != before, key
+    page.locator('[data-part="time"]').press("End")
+    assert clock.inner_text().startswith("4 s")
+    page.locator('[data-part="play"]').press("Space")
+    page.wait_for_timeout(500)
+    assert not clock.inner_text().startswith("4 s"), "it plays again from the start"
+    page.locator('[data-part="links"]').select_option(label="upper_arm")
+    assert "by joint shoulder" in page.locator(".panel").inner_text()
+    page.locator('[data-part="links"]').select_option(label="none")
+    box = canvas.bounding_box()
+    canvas.click(position={"x": box["width"] / 2, "y": 0.6 * box["height"]})
+    assert page.locator(".panel h3").inner_text() in [body.name for body in analysed("fixed")[0].bodies]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("name", CALLS)
+def test_an_audit_of_accessibility_finds_nothing_serious(written, opened, name: str, scheme: str) -> None:
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright")
+    page = opened(written(name), color_scheme=scheme)
+    page.evaluate("(robodyn.all(), robodyn.stages[0].pick(0, 1))")
+    found = axe.Axe().run(page).response["violations"]
+    serious = [each for each in found if each["impact"] in ("serious", "critical")]
+    assert [(each["id"], [node["html"] for node in each["nodes"]][:3]) for each in serious] == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", CALLS)
+def test_paper_has_a_summary_of_two_pages_and_all_tables(written, opened, name: str) -> None:
+    page = opened(written(name), color_scheme="dark")
+    pages = len(re.findall(rb"/Type /Page\b(?!s)", page.pdf(format="A4", print_background=False)))
+    page.evaluate("""() => { const from = [...document.querySelectorAll("h2")].find((each) => each.textContent === "In numbers");
+        for (let at = from; at; at = at.nextElementSibling) at.hidden = true; document.querySelector("footer").hidden = true; }""")
+    assert len(re.findall(rb"/Type /Page\b(?!s)", page.pdf(format="A4"))) <= 2 < pages
