@@ -163,7 +163,8 @@ requestAnimationFrame(() => setTimeout(() => {
       const gap = 0.07 * (most - least || Math.abs(most) || 1);
       return [least - gap, most + gap];
     };
-    let ranges = [];
+    const whole = [range(0), range(1)];
+    let ranges = whole;
     const room = () => ({ width: Math.max(host.clientWidth, 200), height: look.height ?? (look.log ? 360 : 300) });
     const time = look.time === null ? null : arrays[look.time];
     const self = { at: null };
@@ -247,7 +248,7 @@ requestAnimationFrame(() => setTimeout(() => {
         }],
       },
     }, [[], []], host);
-    const whole = [range(0), range(1)], ends = () => u.setData([ranges[0], [null, null]]);
+    const ends = () => u.setData([ranges[0], [null, null]]);
     function fit() { // all there is, with one scale for both axes where they are equal
       const rooms = [u.width - 90, u.height - 60], unit = Math.max(...whole.map(([low, high], k) => (high - low) / rooms[k]));
       ranges = look.equal ? whole.map(([low, high], k) => [-1, 1].map((sign) => (low + high + sign * unit * rooms[k]) / 2)) : whole;
@@ -284,12 +285,18 @@ requestAnimationFrame(() => setTimeout(() => {
   const root = document.documentElement, galleries = [...document.querySelectorAll(".gallery")];
   window.addEventListener("beforeprint", () => {
     const rows = (across) => galleries.reduce((sum, each) => sum + Math.ceil(each.children.length / across), 0);
-    const across = [3, 4, 5, 6, 7].find((n) => rows(n) * (420 / n + 40) + 28 * galleries.length <= 940) ?? 8;
+    const across = [3, 4, 5, 6, 7].find((n) => rows(n) * (400 / n + 36) + 24 * galleries.length <= 1100) ?? 8;
     root.style.setProperty("--across", across);
     root.classList.add("paper");
-    all({ width: 1150 / across, height: 690 / across });
+    all({ width: 1300 / across, height: 780 / across });
+    for (const canvas of document.querySelectorAll(".stage canvas")) { // paper takes what WebGL drew before
+      const still = canvas.cloneNode();
+      still.className = "still";
+      still.getContext("2d").drawImage(canvas, 0, 0);
+      canvas.after(still);
+    }
   });
-  window.addEventListener("afterprint", () => { root.classList.remove("paper"); all(); });
+  window.addEventListener("afterprint", () => { root.classList.remove("paper"); document.querySelectorAll(".still").forEach((each) => each.remove()); all(); });
   new ResizeObserver(() => made.forEach((chart) => chart.resize())).observe(document.querySelector("main"));
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => all());
   for (const figure of document.querySelectorAll("figure.stage")) {
