@@ -65,7 +65,9 @@ def html(document: doc.Document) -> str:
         scripts=[Markup(script) for script in scripts],
         digests=[base64.b64encode(hashlib.sha256(f"\n{script}\n".encode()).digest()).decode() for script in scripts],
         data=Markup(packed(looks)) if looks else "",
-        drawn=max([k for k, block in enumerate(document.blocks) if isinstance(block, _DRAWN)], default=len(document.blocks)),
+        drawn=max(
+            [k for k, block in enumerate(document.blocks) if isinstance(block, _DRAWN)], default=len(document.blocks)
+        ),
         sections=[block.text for block in document.blocks if isinstance(block, doc.Heading)],
         numeric=lambda table: numeric_columns(table.head, table.rows),
         explained=lambda head: {title: meanings[title] for title in head if title in meanings},
