@@ -22,7 +22,7 @@ from robodyn.trajectory.columns.signals import COMPONENTS
 if TYPE_CHECKING:
     from robodyn.robot.urdf.parts import Description
 
-TRIANGLES = 50_000
+TRIANGLES = 80_000
 """Of all meshes of a page at most: corners closer than a cell of a grid become one, cells as fine as that allows."""
 _FINEST = 4000
 """Cells along the longest side of what is drawn, at most."""
@@ -312,8 +312,9 @@ def _meshes(parts: Sequence[tuple[dict[str, Any], Floats]]) -> tuple[list[dict[s
     many = sum(len(corners) for _, corners in parts) // 3
     cell = max((float(np.ptp(corners, axis=0).max()) for _, corners in parts), default=1.0)
     cell = cell / (_FINEST if many <= 2 * TRIANGLES else 400) or 1e-3
+    found = [(np.arange(len(corners)), corners, np.arange(len(corners)).reshape(-1, 3)) for _, corners in parts]
     while True:
-        found = [_clustered(corners, cell) for _, corners in parts]
+        found = [_clustered(*each, cell) for each in found]
         many = sum(len(faces) for *_, faces in found)
         if many <= TRIANGLES:
             break
@@ -332,11 +333,12 @@ def _meshes(parts: Sequence[tuple[dict[str, Any], Floats]]) -> tuple[list[dict[s
     return meshes, error
 
 
-def _clustered(corners: Floats, cell: float) -> tuple[Any, Floats, Any]:
-    """Return of each corner the number of its cell, the mean (c, 3) of every cell's corners, and triangles of cells."""
-    places = np.floor((corners - corners.min(axis=0)) / cell).astype(np.int64)
-    keys, numbers = np.unique((places[:, 0] << 32) | (places[:, 1] << 16) | places[:, 2], return_inverse=True)
-    counts = np.bincount(numbers, minlength=len(keys))
-    means = np.stack([np.bincount(numbers, part, len(keys)) / counts for part in corners.T], axis=1)
-    a, b, c = numbers.reshape(-1, 3).T
-    return numbers, means, numbers.reshape(-1, 3)[(a != b) & (b != c) & (c != a)]
+def _clustered(numbers: Any, points: Floats, faces: Any, cell: float) -> tuple[Any, Floats, Any]:
+    """Return of each corner, whose points had these numbers, that of its cell; the cells' means of points; and faces
+    of three cells."""
+    places = np.floor((points - points.min(axis=0)) / cell).astype(np.int64)
+    keys, cells = np.unique((places[:, 0] << 32) | (places[:, 1] << 16) | places[:, 2], return_inverse=True)
+    counts = np.bincount(cells, minlength=len(keys))
+    means = np.stack([np.bincount(cells, part, len(keys)) / counts for part in points.T], axis=1)
+    a, b, c = cells[faces].T
+    return cells[numbers], means, cells[faces][(a != b) & (b != c) & (c != a)]
