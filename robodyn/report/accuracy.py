@@ -93,8 +93,8 @@ def accuracy_page(accuracy: Accuracy, target: float | None = None, pictures: boo
 
 
 def _ladder_chart(ladder: Ladder, target: float | None) -> doc.Chart:
-    """Return error against time: every setting of a method a dot, with quartiles of its time, those worth their time on a
-    line; an error of 0 two decades below every other."""
+    """Return error against time: every setting of a method a dot, with quartiles of its time, those worth it on a line;
+    an error of 0 two decades below every other."""
     scale, unit = _UNITS[ladder.per]
     unit += " per sample" if ladder.per == "sample" else ""
     others = [error for error in (*(rung.error for rung in ladder.rungs), target) if error]

@@ -95,14 +95,15 @@ def offenders(result: Result) -> frozenset[str]:
     return frozenset((*(each.joint for each in result.exceeded), *(joint.name for joint in sized if joint.exceeded)))
 
 
-def use_bars(result: Result) -> list[Block]:
+def use_bars(result: Result | Simulation) -> list[Block]:
     """Return of every joint with a limit how much of it the motion uses, the worst first: effort, speed, and of motor
     and gear peak, continuous, speed."""
     from robodyn.report.sizing import uses
 
-    rows = []
-    for k, load in enumerate(result.joints):
-        shares = uses(load, result.sizing.joints[k] if result.sizing else None)
+    sizing, rows = getattr(result, "sizing", None), []
+    joints: Sequence[JointLoad | JointUse] = result.joints
+    for k, load in enumerate(joints):
+        shares = uses(load, sizing.joints[k] if sizing else None)
         if shares:
             bars = [(f"{_percent(share)} of {what}", 0.0, min(share, 100.0), _colour(share)) for share, what in shares]
             rows.append((max(share for share, _ in shares), load.name, bars, ""))

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
 from robodyn.report import document as doc
-from robodyn.report.limits import limits_data, limits_section, limits_verdict, use
+from robodyn.report.charts import COLOURS, Course, plane_chart, time_chart
+from robodyn.report.limits import limits_data, limits_section, limits_verdict, use, use_bars
 from robodyn.report.sizes import MotionSizes, linear, simulation_sizes, sizes, speed_unit
-from robodyn.report.table import drift_text, first_names, gravity_text, moment, number, relative_text
+from robodyn.report.table import NEGLIGIBLE, NOISE, drift_text, first_names, gravity_text, moment, number, relative_text
+from robodyn.robot.model import Joint
 from robodyn.simulation.loop_figures import LoopFigures
 from robodyn.simulation.result import Simulation
-from robodyn.support.floats import ranked
+from robodyn.support.floats import Floats, ranked
 from robodyn.support.wording import count
 
 FREE = "ODE, qdd = M^-1 (tau - bias) by articulated bodies"
@@ -132,41 +136,149 @@ def simulation_page(result: Simulation, pictures: bool = True) -> doc.Document:
         verdict = doc.Verdict("doubtful", "The energy drifts: take shorter steps or a smaller tolerance", (energy,))
     verdicts = [verdict, *([limits_verdict(result)] if result.joints or result.caveats else [])]
     worst_first = ("bad", "doubtful", "neutral", "good")
-    blocks: list[doc.Block] = [*sorted(verdicts, key=lambda verdict: worst_first.index(verdict.level))]
-    if pictures:
-        blocks += _pictures(result)
+    worst, *others = sorted(verdicts, key=lambda verdict: worst_first.index(verdict.level))
+    also = tuple(line for other in others for line in (f"{other.headline}.", *other.reasons))
+    blocks: list[doc.Block] = [replace(worst, reasons=(*worst.reasons, *also))]
+    blocks += _moving(result) if pictures else use_bars(result)
     table = doc.csv_text(("time", *result.names), np.column_stack((result.time, result.columns)).tolist())
     files = [("result.json", simulation_json(result)), ("motion.csv", table)]
     how = "robodyn simulate --format json and --out write it to a file"
     return doc.page(result.model.name, what, blocks, simulation_sections(result, explain=True), "Motion", files, how)
 
 
-def _pictures(result: Simulation) -> Iterator[doc.Block]:
-    from robodyn.report.pictures.figures import energy_figures, joint_figure, quiet
-    from robodyn.report.pictures.robot import robot_figure, shapes_of
+def _moving(result: Simulation) -> Iterator[doc.Block]:
+    """Yield the robot along its motion, how much of limits it uses, and curves of all that was recorded."""
+    from robodyn.loads.history import Courses
 
-    model = result.model
-    assert model.description is not None, "it is not a model of bodies alone"
-    shapes, why = shapes_of(model.description)
-    figures = [
-        robot_figure(model, result.q[row], "", f"{name}, {result.time[row]:.6g} s", shapes, f"picture {row}")
-        for row, name in ((0, "the start"), (-1, "the end"))
-    ]
-    yield from doc.titled("Start and end", [*doc.gallery(figures), *doc.paragraphs([why] if why else [])])
+    model, size, figures = result.model, simulation_sizes(result), result.figures
+    work = result.work - result.work[0]
+    curves = dict(zip(result.names, result.columns.T, strict=True))
+    curves |= {"kinetic": figures.kinetic, "potential": figures.energy - figures.kinetic, "work done": work}
+    curves |= {"drift": figures.energy - figures.energy[0] - work}
+    momenta = {"linear": figures.linear, "angular": figures.angular}
+    curves |= {f"{kind} {axis}": each[:, k] for kind, each in momenta.items() for k, axis in enumerate("xyz")}
+    if result.loops:
+        sizes_of = {"force": result.loops.wrenches[:, :, :3], "moment": result.loops.wrenches[:, :, 3:]}
+        most = {kind: np.sqrt(np.square(each).sum(axis=2)) for kind, each in sizes_of.items()}
+        curves |= {f"{kind} {k}": each[:, k] for kind, each in most.items() for k in range(each.shape[1])}
+    courses = Courses(("time", *result.names), tuple(curves))
+    courses.update([result.time, *result.columns.T], [*curves.values()])
+    course = Course(courses)
+
+    def chart(
+        what: str,
+        unit: str,
+        scale: float,
+        names: Mapping[str, str],
+        limits: Iterable[float | None] = (),
+        colour: int = 0,
+    ) -> Iterator[doc.Chart]:
+        shown = {label: course.curve(name, scale) for label, name in names.items()}
+        if any(np.any(each) for each in shown.values()):
+            ends = [
+                f"{label} {number(curves[name].min(), scale)} to {number(curves[name].max(), scale)} {unit}"
+                for label, name in [*names.items()][:8]
+            ]
+            levels = [(limit, "limit") for limit in limits if limit is not None]
+            colours = [*COLOURS[colour:], *COLOURS[:colour]]
+            alt, caption = f"{what} over time: {', '.join(ends)}", f"{what} [{unit}]"
+            yield time_chart(caption, alt, course.time, shown, unit, rows=course.rows, levels=levels, colours=colours)
+
+    yield from _stage(result, course)
+    yield from use_bars(result)
     joints = [joint for joint in model.independent if joint.kind != "floating"]
     travel = {joint.name: float(np.ptp(result.q[:, joint.coordinate])) for joint in joints}
     shown = sorted(ranked(joints, key=lambda joint: travel[joint.name])[:PLOTTED], key=joints.index)
-    size, figures = simulation_sizes(result), []
+    charts: list[doc.Chart] = []
+    limits = {each.name: each for each in result.joints}
     for joint in shown:
-        at, rate = joint.coordinate, joint.rate
-        q, qd = quiet(result.q[:, at], size.q[at]), quiet(result.qd[:, rate], size.qd[rate])
-        values = (q, qd, quiet(result.tau[:, rate], size.tau[rate]))
-        if any(each.any() for each in values):
-            figures.append(joint_figure(joint.name, joint.kind == "prismatic", result.time, values))
-    some = f"The joints that move most, {len(figures)} of {len(joints)}, without plots of zeros; the tables have all."
-    words = doc.paragraphs([some] if len(figures) < len(joints) else [])
-    yield from doc.titled("Along the motion", [*words, *doc.gallery(figures)])
-    yield from doc.titled("Energy", doc.gallery(energy_figures(result)))
+        name, at, rate = joint.name, joint.coordinate, joint.rate
+        slides, own = joint.kind == "prismatic", limits[name]
+        units = ("m", "m/s", "N") if slides else ("rad", "rad/s", "N m")
+        loads = "drive's force" if slides else "drive's torque"
+        effort, speed = ([x, -x] if x else [] for x in (own.effort_limit, own.velocity_limit))
+        for what, kind, unit, scale, ends, colour in (
+            ("position", "q", units[0], size.q[at], [joint.lower, joint.upper], 0),
+            ("speed", "qd", units[1], size.qd[rate], speed, 1),
+            (loads, "tau", units[2], size.tau[rate], effort, 2),
+        ):
+            charts += chart(f"{name}: {what}", unit, scale, {what: f"{kind}_{name}"}, ends, colour)
+    some = f"The joints that move most, {len(shown)} of {len(joints)}; the tables have all."
+    words = doc.paragraphs([some] if len(shown) < len(joints) else [])
+    yield from doc.titled("Joints", [*words, *doc.gallery(charts)])
+    charts = []
+    for joint in model.independent:
+        if joint.kind == "floating":
+            charts += _path(result, joint, course)
+            for what, kind, unit, letter, scale in (
+                ("position", "q", "m", "", size.q[joint.coordinate]),
+                ("velocity", "qd", "m/s", "v", size.qd[joint.rate + 3]),
+                ("angular velocity, in its own axes", "qd", "rad/s", "w", size.qd[joint.rate]),
+            ):
+                names = {axis: f"{kind}_{joint.name}_{letter}{axis}" for axis in "xyz"}
+                charts += chart(f"{joint.name}: {what}", unit, scale, names)
+    yield from doc.titled("Base", doc.gallery(charts))
+    if result.free:
+        charts = []
+        for kind, unit in (("linear", "N s"), ("angular", "N m s")):
+            about = ", about the mass centre" if kind == "angular" else ""
+            scale = float(np.abs(momenta[kind]).max())
+            charts += chart(
+                f"{kind.capitalize()} momentum{about}", unit, scale, {axis: f"{kind} {axis}" for axis in "xyz"}
+            )
+        yield from doc.titled("Momenta", doc.gallery(charts))
+    if result.loops:
+        charts = []
+        for kind, unit in (("force", "N"), ("moment", "N m")):
+            scale = max(float(each.max()) for each in most.values())
+            loops = {name: f"{kind} {k}" for k, name in enumerate(result.loops.names[: len(COLOURS)])}
+            charts += chart(f"{kind.capitalize()} of loops", unit, scale, loops)
+        yield from doc.titled("Loops", doc.gallery(charts))
+    energies = {name: name for name in ("kinetic", "potential", "work done")}
+    charts = [*chart("Energies, and work done by drives and wrenches", "J", size.energy, energies)]
+    if result.energy_drift > NOISE * size.energy:
+        charts += chart("Drift: stored energy less work", "J", 0.0, {"drift": "drift"}, colour=5)
+    yield from doc.titled("Energy", doc.gallery(charts))
+
+
+def _stage(result: Simulation, course: Course) -> Iterator[doc.Block]:
+    from robodyn.dynamics.constraints.constraint_jacobian import tree_scene
+    from robodyn.report import stage
+
+    model, frames = result.model, course.frames
+    used: dict[str, tuple[Floats, float]] = {}
+    for each in result.joints:
+        limits = (("tau", each.effort_limit), ("qd", each.velocity_limit))
+        if shares := [np.abs(frames[f"{kind}_{each.name}"]) / limit for kind, limit in limits if limit]:
+            used[each.name] = np.max(shares, axis=0), 1.0
+    tree = tree_scene(model, result.scene) if result.scene.constrained else result.scene
+    q, uses = [frames[f"q_{name}"] for name in model.coordinates], [used.get(body.joint.name) for body in model.bodies]
+    arrows = stage.loads(model, tree, frames)
+    motion = stage.motion("", frames["time"], q, rows=course.frame_rows, use=uses, arrows=arrows)
+    marks = []
+    for joint in model.independent:
+        places = result.q[:, joint.coordinate : joint.coordinate + 3]
+        if joint.kind == "floating" and np.ptp(places, axis=0).max() > 0.0:
+            ends = places[np.unique(np.linspace(0, len(places) - 1, 200).astype(int))]
+            pieces = [(a, b - a, 0.004 * (model.reach or 1.0)) for a, b in pairwise(ends)]
+            marks.append(stage.mark(f"path of {joint.name}", "c2", pieces))
+    shapes, why = stage.shapes_of_bodies(model)
+    words = "The simulated motion; links are coloured by what their joints use of their limits, red above 100 %"
+    yield stage.stage(words, [stage.robot(model, [motion])], [shapes], marks=marks)
+    yield from doc.paragraphs([why] if why else [])
+
+
+def _path(result: Simulation, joint: Joint, course: Course) -> Iterator[doc.Chart]:
+    """Yield the path of a floating joint in the plane in which it moves most."""
+    ways = {axis: course.frames[f"q_{joint.name}_{axis}"] for axis in "xyz"}
+    far = {axis: float(np.ptp(way)) for axis, way in ways.items()}
+    across, up = sorted(ranked("xyz", key=lambda axis: far[axis])[:2])
+    if max(far.values()) > NEGLIGIBLE * max(result.model.reach, 1.0):
+        words = f"{joint.name}: path over {across} and {up}"
+        alt = f"{words}: {number(far[across])} m along {across}, {number(far[up])} m along {up}"
+        dots = {"base": (ways[across], ways[up])}
+        time = course.frames["time"]
+        yield plane_chart(words, alt, f"{across} [m]", f"{up} [m]", dots=dots, time=time, equal=True)
 
 
 def simulation_json(result: Simulation) -> str:

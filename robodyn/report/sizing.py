@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING
 
 from robodyn.loads.constraint_result import Constraints
 from robodyn.loads.result import Exceeded, JointLoad, JointSizing, Result, Sizing
@@ -11,6 +12,9 @@ from robodyn.report.document import Facts, Paragraph, Section, Table, paragraphs
 from robodyn.report.sizes import result_sizes, speed_unit
 from robodyn.report.table import axis_text, first_names, is_noise, moment, number, point_text, printable
 from robodyn.support.wording import count, figure
+
+if TYPE_CHECKING:
+    from robodyn.simulation.result import JointUse
 
 _WORDS = {
     "motor torque": ("the motor's torque", "the peak curve allows"),
@@ -86,7 +90,7 @@ def verdicts(loads: Sequence[JointLoad], sizing: Sizing) -> Facts:
     return Facts(tuple(items))
 
 
-def uses(load: JointLoad, joint: JointSizing | None) -> list[tuple[float, str]]:
+def uses(load: JointLoad | JointUse, joint: JointSizing | None) -> list[tuple[float, str]]:
     """Return how much of each limit a joint uses [%], and of which."""
     found: list[tuple[float, float | None, str]] = []
     if joint is not None and (motor := joint.motor) is not None:

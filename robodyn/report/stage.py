@@ -186,7 +186,8 @@ def loads(model: Model, tree: Scene, columns: Mapping[str, Floats], contacts: Se
     """Return arrows of what acts along a motion: joint torques and wrenches, of the base, and external wrenches.
 
     Args:
-        tree: the scene in which constraints are wrenches; columns: those of `output_names` with reactions, and its own.
+        tree: the scene in which constraints are wrenches; columns: those of `output_names` with reactions, and its own;
+            what is not among them is left out.
         contacts: of the scene itself, for their cones.
     """
     found = [*weights(model, tree.gravity)]
@@ -198,12 +199,14 @@ def loads(model: Model, tree: Scene, columns: Mapping[str, Floats], contacts: Se
             what = "joint torque" if joint.kind == "revolute" else "joint force"
             found.append(_arrow("torque", what, k, k, (0.0, 0.0, 0.0), values, joint.kind == "revolute"))
         names = [f"base_{part}" if k == 0 else f"{part}_{joint.name}" for part in COMPONENTS]
-        for first, moment in ((0, False), (3, True)):
+        for first, moment in ((0, False), (3, True)) if names[0] in columns else ():
             values = [columns[name] for name in names[first : first + 3]]
             kind, what = ("base", "by the ground") if k == 0 else ("reaction", f"by joint {printable(joint.name)}")
             found.append(_arrow(kind, what, k, k, (0.0, 0.0, 0.0), values, moment))
     cones = {contact.link: contact for contact in contacts}
     for wrench in tree.wrenches:
+        if any(isinstance(each, str) and each not in columns for each in (*wrench.force, *wrench.moment)):
+            continue
         found += _external(model, tree, wrench, columns, cones.get(wrench.link) if wrench.cause == "contact" else None)
     return [arrow for arrow in found if any(np.any(part) for part in arrow["values"])]
 

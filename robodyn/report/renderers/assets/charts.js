@@ -52,7 +52,7 @@ requestAnimationFrame(() => setTimeout(() => {
   const axes = (across, up, log) => [across, up].map((label, k) => ({
     stroke: () => style("ink"), label: label ?? undefined, labelSize: k ? 18 : 22, size: k ? 58 : 34, font: "12px system-ui, sans-serif",
     labelFont: "12px system-ui, sans-serif", grid: { stroke: () => style("grid"), width: 1 }, ticks: { stroke: () => style("grid"), width: 1 },
-    values: (_, ticks) => ticks.map((tick) => (tick === null ? "" : log && (tick < 1e-3 || tick >= 1e6) ? tick.toExponential() : short(tick)).replace("-", "\u2212")),
+    values: (_, ticks) => ticks.map((tick) => (tick === null ? "" : tick && (Math.abs(tick) < 1e-3 || Math.abs(tick) >= 1e6) ? Number(tick.toPrecision(6)).toExponential() : short(tick)).replaceAll("-", "\u2212")),
     ...(log ? { splits: (_, axis, min, max) => logTicks(min, max), filter: (_, ticks) => ticks } : {}),
     space: k ? 34 : 60,
   }));

@@ -155,8 +155,13 @@ function makeViewer(figure, stage, arrays, colours, onTime) {
     return { ...solid(at, faces), low: low, corners: at };
   });
 
-  // The room that all robots take along the motion, by the corners of their meshes and their joints.
-  const reach = (() => {
+  // How far the base has gone since the start; the view goes with it where that is far.
+  const floats = stage.loop ? -1 : robots[0].bodies.findIndex((body) => body.kind === "floating");
+  let start = null;
+  const gone = (all) => floats < 0 ? [0, 0, 0] : add(all[floats].slice(12, 15), times(start ??= all[floats].slice(12, 15), -1));
+
+  // The room that all robots take along the motion, by the corners of their meshes and their joints, or seen from the base.
+  const room = (followed) => {
     let low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
     const take = (point) => {
       low = low.map((x, k) => Math.min(x, point[k]));
@@ -167,6 +172,10 @@ function makeViewer(figure, stage, arrays, colours, onTime) {
       state.time = from + moment * (to - from) / 8;
       for (const robot of robots) {
         const all = poses(robot, configuration(robot));
+        if (followed) {
+          const way = gone(all);
+          all.forEach((M) => way.forEach((x, i) => { M[12 + i] -= x; }));
+        }
         robot.bodies.forEach((body, k) => {
           take(all[k].slice(12, 15));
           take(moved(all[k], body.centre));
@@ -179,7 +188,8 @@ function makeViewer(figure, stage, arrays, colours, onTime) {
     }
     const middle = low.map((x, k) => (x + high[k]) / 2);
     return { middle, size: Math.max(size(high.map((x, k) => x - low[k])), 1e-6), floor: low[2] };
-  })();
+  };
+  const near = room(true), whole = room(false), follows = whole.size > 2 * near.size, reach = follows ? near : whole;
   const home = { yaw: 0.9, pitch: 0.35, distance: 1.5 * reach.size, target: [...reach.middle] };
   let eye = { ...home, target: [...home.target] };
 
@@ -237,7 +247,8 @@ function makeViewer(figure, stage, arrays, colours, onTime) {
     return { back, right, up };
   }
   function view() {
-    const { back, right, up } = basis(), from = add(eye.target, times(back, eye.distance));
+    const { back, right, up } = basis(), way = state.layers.follow ? gone(now[0].all) : [0, 0, 0];
+    const from = add(add(eye.target, way), times(back, eye.distance));
     return [right[0], up[0], back[0], 0, right[1], up[1], back[1], 0, right[2], up[2], back[2], 0,
       -dot(right, from), -dot(up, from), -dot(back, from), 1];
   }
@@ -297,7 +308,8 @@ function makeViewer(figure, stage, arrays, colours, onTime) {
     gl.clearColor(...rgb("raised"), 1);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     const step = 10 ** Math.floor(Math.log10(reach.size)) / 2;
-    const ground = [step, 0, 0, 0, 0, step, 0, 0, 0, 0, 1, 0, 0, 0, stage.floor ?? reach.floor, 1];
+    const [x, y] = state.layers.follow ? gone(now[0].all).map((each) => step * Math.round(each / step)) : [0, 0];
+    const ground = [step, 0, 0, 0, 0, step, 0, 0, 0, 0, 1, 0, x, y, stage.floor ?? reach.floor, 1];
     draw(ground, grid, rgb("grid"), 1, 0, gl.LINES);
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
@@ -486,6 +498,7 @@ function makeViewer(figure, stage, arrays, colours, onTime) {
   const layers = [...Object.entries(stage.kinds).filter(([kind]) => present.has(kind)).map(([kind, { what, on }]) => [kind, what, on])];
   if (robots.some((robot) => robot.bodies.some((body) => body.mass))) layers.push(["centres", "mass centres", Boolean(stage.ellipsoids || stage.marks.length)]);
   if (robots.some((robot) => robot.bodies.some((body) => body.ellipsoid))) layers.push(["inertia", "ellipsoids of inertia", Boolean(stage.ellipsoids)]);
+  if (floats >= 0 && motionOf(robots[0]).time !== null) layers.push(["follow", "follow the base", follows]);
   layers.push(["through", "see through", Boolean(stage.through)], ...stage.marks.map(({ what, on }) => [what, what, on]));
   for (const [kind, what, on] of layers) {
     const label = document.createElement("label"), box = document.createElement("input");
