@@ -203,6 +203,11 @@ def loads(model: Model, tree: Scene, columns: Mapping[str, Floats], contacts: Se
             values = [columns[name] for name in names[first : first + 3]]
             kind, what = ("base", "by the ground") if k == 0 else ("reaction", f"by joint {printable(joint.name)}")
             found.append(_arrow(kind, what, k, k, (0.0, 0.0, 0.0), values, moment))
+    for payload in tree.payloads:
+        body, R, p = model.links[payload.link]
+        weight: list[Entry] = [[payload.mass * g] for g in tree.gravity]
+        point = product(R, np.array(payload.com)) + p
+        found.append(_arrow("weight", "weight of the payload", body, None, point, weight))
     cones = {contact.link: contact for contact in contacts}
     for wrench in tree.wrenches:
         if any(isinstance(each, str) and each not in columns for each in (*wrench.force, *wrench.moment)):

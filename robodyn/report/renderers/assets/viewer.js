@@ -436,8 +436,8 @@ function makeViewer(figure, stage, arrays, colours, onTime) {
       name.scope = "row";
       row.append(name);
       values.forEach((value, k) => {
-        const column = rows.map((each) => Math.abs(each[k + 1]));
-        row.append(element("td", number(value, Math.max(...column))));
+        const alike = rows.flatMap((each) => each.slice(k < 3 ? 1 : 4, k < 3 ? 4 : 7).map(Math.abs));
+        row.append(element("td", number(value, Math.max(...alike))));
       });
     }
     panel.append(table);
