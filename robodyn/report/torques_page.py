@@ -52,7 +52,7 @@ def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = Tr
         )
         course = Course(result.history.motion)
         shown = stage.robot(model, [motion_of(course, result, model, scene)])
-        blocks += [stage.stage(words, [shown], [shapes]), *doc.paragraphs([why] if why else [])]
+        blocks += [stage.stage(words, [shown], [shapes], bars=bool(why)), *doc.paragraphs([why] if why else [])]
     blocks += use_bars(result)
     if pictures and result.history is not None:
         blocks += _charts(result, model, scene, result.history, course)

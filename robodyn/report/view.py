@@ -78,7 +78,9 @@ def view_page(model: Model, motion: Motion | None, scene: Scene, at: Values | No
     said += beyond_limits(model, q)
     shapes, why = stage.shapes_of_bodies(model)
     robot = stage.robot(model, [stage.pose(model, q.tolist(), stage.weights(model, scene.gravity))])
-    blocks: list[doc.Block] = [stage.stage("The robot, whose joints are moved below", [robot], [shapes])]
+    blocks: list[doc.Block] = [
+        stage.stage("The robot, whose joints are moved below", [robot], [shapes], bars=bool(why))
+    ]
     blocks += doc.paragraphs([*said, *([why] if why else [])])
     if model.description is not None:
         blocks.append(tree_table(list(branches(model.description)), "Links, and the joints that carry them"))

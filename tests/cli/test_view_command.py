@@ -134,6 +134,18 @@ def test_loops_are_closed_at_first_and_said_to_open() -> None:
     assert view.look["robots"][0]["motions"][0]["rest"] == [0.0] * 4
 
 
+@pytest.mark.parametrize("missing", [True, False])
+def test_bars_stand_for_meshes_that_are_not_there(missing: bool) -> None:
+    mesh = "there.stl" if missing else str(ROBOTS / "meshes" / "bracket.stl")
+    shapes = f'<visual><geometry><mesh filename="{mesh}"/></geometry></visual>'
+    Path("m.urdf").write_text(f'<robot name="m"><link name="a">{shapes}</link></robot>')
+    shown("view", "m.urdf", "--report", "m.html")
+    (stage,) = looks(Path("m.html"))
+    assert (stage["bars"], len(stage["meshes"])) == (missing, not missing)
+    text = Page(Path("m.html").read_text(encoding="utf-8")).all("main")[0].text
+    assert ("not found or cannot be read, and not drawn: there.stl" in text) == missing
+
+
 def test_names_of_a_robot_are_text() -> None:
     name = "</script><script>alert(1)</script>"
     escaped = name.replace("<", "&lt;")
