@@ -301,7 +301,8 @@ def shapes_of_bodies(model: Model) -> tuple[dict[int, Floats], str]:
         return {}, ""
     shapes, why = shapes_of(model.description)
     if not shapes:
-        shapes, why = shapes_of(model.description, "collision")
+        shapes, others = shapes_of(model.description, "collision")
+        why = why or others
     found: dict[int, list[Floats]] = {}
     for link, triangles in shapes.items():
         if link in model.links:
