@@ -31,7 +31,7 @@ CALLS: dict[str, tuple[tuple[str, ...], str, int]] = {
     "shapes": (("inertia", ARM, "--link", "hand", "--geometry", "visual"), "<visual> shapes", 1),
     "compare": (("inertia", ARM, "--compare"), "1 of 8 links differ from their shapes by more than 10 %", 0),
     "check": (("check", str(ROBOTS / "puma560.urdf")), "No errors, 2 warnings", 0),
-    "simulate": (("simulate", *SWING, "--duration", "0.2"), "The motion ran for its 0.2 s", 6),
+    "simulate": (("simulate", *SWING, "--duration", "0.2"), "The motion ran for its 0.2 s", 8),
     "linearize": (("linearize", SWING[0], "--equilibrium"), "2 modes are not damped within rounding", 2),
     "excite": (("excite", str(ROBOTS / "pendulum.urdf")), "shows 6 base parameters", 1),
     "identify": (("identify", *TX40, "--cutoff", "40"), "held-out torques within", 0),
