@@ -11,6 +11,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -36,7 +37,7 @@ from robodyn.identification.model_selection import (
 from robodyn.identification.parameters.base import base_of
 from robodyn.identification.parameters.consistent import Prior, consistent_parameters, prior_of, pseudo_inertia
 from robodyn.identification.parameters.regressor_columns import PARAMETERS, PLAIN, Gathered
-from robodyn.identification.passes import FOLDS, RESTS, Run, begun, first_fit, repeated, weighted_rows
+from robodyn.identification.passes import FOLDS, RESTS, Run, begun, curves_along, first_fit, repeated, weighted_rows
 from robodyn.identification.result import BaseFit, Errors, Identified, motor_fits, outcome
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats, unit_columns
@@ -137,7 +138,7 @@ def identify(
         names=names,
         described=described,
         theta=calibrated,
-        base=BaseFit(base, base.estimate(R, z).values, C, base.values(theta)),
+        base=BaseFit(base, base.estimate(R, z).values, C, base.values(theta), base.values(prior.described)),
         motors=motors,
         coupled=first.coupled,
         train=of_train[0],
@@ -159,6 +160,7 @@ def identify(
         duration=sum(log.stop - log.start for log in run.logs),
         hashes={log.path: log.sha256 for log in run.logs},
         faults=tuple(first.faults),
+        curves=partial(curves_along, run, structure, theta),
         warnings=(
             *first.faults,
             *([f"torques are logged late beside positions, which is taken out: {late}"] if late else ()),

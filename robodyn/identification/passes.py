@@ -16,6 +16,7 @@ from robodyn.dynamics.regressor import INERTIAL
 from robodyn.errors import InputError, WrongUnits
 from robodyn.identification.faults.compare import magnitudes, told
 from robodyn.identification.faults.faults import range_basis
+from robodyn.identification.log.curves import add, curves_of
 from robodyn.identification.log.log import Log, Samples, joined
 from robodyn.identification.log.rows import PERIODS, POSITIONS, filtered, kernel, rates, states
 from robodyn.identification.model_selection import (
@@ -41,6 +42,7 @@ from robodyn.identification.parameters.regressor_columns import (
     RegressorColumns,
     gather,
 )
+from robodyn.loads.history import Courses
 from robodyn.programs.vectors import product
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
@@ -223,6 +225,35 @@ def repeated(
     regressor = structure.regressor.near(theta[: len(structure.regressor.bodies)], structure.loads(theta))
     guess = Guess(structure.shape @ theta, sigma, Moments(regressor))
     return replace(structure, regressor=regressor), *run.gathered(regressor, guess), guess.moments
+
+
+def curves_along(run: Run, structure: Structure, theta: Floats) -> Courses:
+    """Return `curves_of` all logs, one after another, in one more pass: computed by the description, explained by theta
+    (p,), friction of each joint's own motor; besides whether rows are `held` out, and every q_COORDINATE."""
+    regressor, values, nq = structure.regressor, structure.shape @ theta, run.model.nq
+    joints = [run.model.rates[j] for j in run.measured]
+    owners = [(motor.name, column != "rotor") for motor in regressor.motors for column in motor.column_names]
+    rubs = [("", False)] * len(regressor.bodies) + owners
+    found = curves_of(joints, ("held", *(f"q_{name}" for name in run.model.coordinates)))
+
+    def compute(samples: Samples) -> Floats:
+        return np.concatenate((regressor.compute(samples), samples.q), axis=1)
+
+    begin = 0.0
+    for log, edges in zip(run.logs, run.edges, strict=True):
+        for rows in filtered(log, run.cutoff, compute):
+            curves = []
+            parts = regressor.by_joint(rows.values[:, :-nq])
+            for j, name, used, part in zip(run.measured, joints, regressor.used, parts, strict=True):
+                own = [k for k, each in enumerate(used) if rubs[each] == (name, True)]
+                known, described = part.T[-2:]
+                friction = part[:, own] @ values[used[own]]
+                curves.append((part[:, own[0]], rows.tau[:, j], described, part[:, :-2] @ values[used] + known, friction))
+            columns = [np.stack(each, axis=1) for each in zip(*curves, strict=True)]
+            held = (rows.time >= edges[-1]).astype(float)
+            add(found, rows.time - log.start + begin, columns, (held, *rows.values[:, -nq:].T))
+        begin += log.stop - log.start
+    return found
 
 
 def check_size(model: Model) -> None:

@@ -4,8 +4,8 @@ in which nothing but inertials and friction is edited, and its scene."""
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, fields, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -17,6 +17,7 @@ from robodyn.errors import InputError
 from robodyn.identification.model_selection import Structure
 from robodyn.identification.parameters.base import Base
 from robodyn.identification.parameters.consistent import parameters_of, pseudo_inertia
+from robodyn.loads.history import Courses
 from robodyn.programs.vectors import product
 from robodyn.robot.masses.declared import declared
 from robodyn.robot.model import Model
@@ -63,15 +64,25 @@ class MotorFit:
     stribeck_velocity: float | None = None
     load: float | None = None
 
+    def friction(self, speed: Floats, transmitted: float = 0.0) -> Floats:
+        """Return the friction at speeds of the motor [rad/s, m/s], while so much torque passes the gear [N m, N]."""
+        sign, decay = np.sign(speed), np.zeros(len(speed))
+        if self.stribeck is not None and self.stribeck_velocity:
+            decay = np.exp(-((speed / self.stribeck_velocity) ** 2))
+        coulomb = self.coulomb + (self.load or 0.0) * abs(transmitted) + ((self.stribeck or 0.0) - self.coulomb) * decay
+        return np.asarray(self.viscous * speed + coulomb * sign + self.offset * (1.0 - decay) * sign * sign)
+
 
 @dataclass(frozen=True, eq=False)
 class BaseFit:
-    """Base parameters (r,) by least squares without bounds, with their covariance; and by the consistent parameters."""
+    """Base parameters (r,) by least squares without bounds, with their covariance; by the consistent parameters; and by
+    the description."""
 
     base: Base
     values: Floats
     covariance: Floats
     consistent: Floats
+    described: Floats
 
     @property
     def standard_errors(self) -> Floats:
@@ -98,6 +109,7 @@ class Identified:
         rows: that were compared, of all joints; samples: rows of the logs.
         faults: torques that are exchanged or have the wrong sign, and units that are doubtful, a line each, which are
             among the warnings.
+        curves: goes through the logs once more, for `curves_of` them.
     """
 
     model: Model
@@ -128,6 +140,7 @@ class Identified:
     hashes: Mapping[str, str]
     faults: tuple[str, ...]
     warnings: tuple[str, ...]
+    curves: Callable[[], Courses] = field(repr=False)
 
     @property
     def explains(self) -> bool:

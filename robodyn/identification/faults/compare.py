@@ -20,8 +20,10 @@ from robodyn.dynamics.effects.motors import rotor_of
 from robodyn.dynamics.regressor import INERTIAL, regressor
 from robodyn.errors import TrajectoryError
 from robodyn.identification.faults.faults import OWN, VISCOUS, Evidence, Explained, Fault, explain, rms
+from robodyn.identification.log.curves import add, curves_of
 from robodyn.identification.log.log import REMEDY, Log, Samples, read_log
 from robodyn.identification.log.rows import filtered
+from robodyn.loads.history import Courses
 from robodyn.robot.model import Model
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats, einsum, unit_columns
@@ -158,22 +160,11 @@ class JointComparison:
 
 
 @dataclass(frozen=True)
-class Curves:
-    """What plots show, (N, n) each but time (N,); `explained` has all told faults, `friction` is what of it is told."""
-
-    time: Floats
-    measured: Floats
-    computed: Floats
-    explained: Floats
-    speed: Floats
-    friction: Floats
-
-
-@dataclass(frozen=True)
 class Comparison:
     """Measured against computed torques. samples: rows of the log; compared: seconds that are; cutoff: of the filter
     [Hz]. relative_error, left: ||residual|| / ||measured|| over all joints, before and after all that is told.
-    load_link: where a payload is looked for; gross: (n,) of each joint's residual, what `channels` explain."""
+    load_link: where a payload is looked for; gross: (n,) of each joint's residual, what `channels` explain; curves: as
+    `curves_of` has them, where `explained` has all told faults."""
 
     robot: str
     file: str
@@ -189,7 +180,7 @@ class Comparison:
     faults: tuple[Fault, ...]
     gross: Floats
     notes: tuple[str, ...]
-    curves: Curves = field(repr=False)
+    curves: Courses = field(repr=False)
 
 
 def compare(
@@ -223,14 +214,10 @@ def compare(
             friction_told[:, j] += gains.get(j, 1.0) * values[0] * routed.own[:, j, OWN.index(kind) - VISCOUS]
     inside, names = raw.inside, [model.rates[place] for place in places]
     total, before = np.linalg.norm(raw.measured[inside]), rms(raw.difference)
-    curves = Curves(
-        time=time[inside] - log.start,
-        measured=routed.measured[inside],
-        computed=raw.computed[inside],
-        explained=routed.measured[inside] - found.residual,
-        speed=raw.own[inside, :, 0],
-        friction=friction_told[inside],
-    )
+    curves = curves_of(names)
+    explained = routed.measured[inside] - found.residual
+    torques = routed.measured[inside], raw.computed[inside], explained, friction_told[inside]
+    add(curves, time[inside] - log.start, (raw.own[inside, :, 0], *torques))
     return Comparison(
         robot=model.name,
         file=path,
