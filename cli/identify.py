@@ -6,6 +6,7 @@ import datetime
 import os
 import sys
 from contextlib import ExitStack
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -97,7 +98,7 @@ def command(
         why = "held-out torques are explained no better than by the description", "log a more exciting motion"
     why = None if force else why
     written = _write(found, model, outputs) if not why else ""
-    page, json = (lambda _: identified_page(found)), (lambda: identified_json(found))
+    page, json = partial(identified_page, found), partial(identified_json, found)
     answer(call, identified_sections(found), page, written, json=json)
     if why and any(outputs.values()):
         what, remedy = why

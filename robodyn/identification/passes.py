@@ -248,7 +248,9 @@ def curves_along(run: Run, structure: Structure, theta: Floats) -> Courses:
                 own = [k for k, each in enumerate(used) if rubs[each] == (name, True)]
                 known, described = part.T[-2:]
                 friction = part[:, own] @ values[used[own]]
-                curves.append((part[:, own[0]], rows.tau[:, j], described, part[:, :-2] @ values[used] + known, friction))
+                curves.append(
+                    (part[:, own[0]], rows.tau[:, j], described, part[:, :-2] @ values[used] + known, friction)
+                )
             columns = [np.stack(each, axis=1) for each in zip(*curves, strict=True)]
             held = (rows.time >= edges[-1]).astype(float)
             add(found, rows.time - log.start + begin, columns, (held, *rows.values[:, -nq:].T))

@@ -457,7 +457,7 @@ def _entries(friction: Friction) -> Iterator[tuple[str, str]]:
     yield "viscous", repr(friction.viscous)
     forward, backward = friction.forward, friction.backward
     yield "coulomb", repr(forward) if forward == -backward else f"[{forward!r}, {backward!r}]"
-    for field in fields(Friction)[3:]:
-        value = getattr(friction, field.name)
-        if value != field.default:
-            yield field.name, repr(value)
+    for each in fields(Friction)[3:]:
+        value = getattr(friction, each.name)
+        if value != each.default:
+            yield each.name, repr(value)

@@ -52,6 +52,7 @@ def time_chart(
     spans: Sequence[tuple[float, float, str]] = (),
     colours: Sequence[str] = COLOURS,
     held: Iterable[str] = (),
+    wide: Iterable[str] = (),
 ) -> Chart:
     """Return curves of one unit over time [s].
 
@@ -60,14 +61,15 @@ def time_chart(
         rows: (N,) numbers of samples in the table, counted from 1.
         levels: values with a word, drawn across as dashed lines; limits.
         spans: (from, to, word) of times that are shaded.
-        held: labels of curves that hold a value until the next.
+        held: labels of curves that hold a value until the next; wide: of those drawn as pale bands below others.
     """
-    series = []
+    series, held, wide = [], set(held), set(wide)
     for (label, values), colour in zip(curves.items(), colours, strict=False):
         low, high = values if isinstance(values, tuple) else (values, None)
         if high is not None and np.array_equal(low, high):
             high = None
-        series.append({"label": label, "colour": colour, "y": low, "high": high, "held": label in set(held)})
+        each = {"label": label, "colour": colour, "y": low, "high": high, "held": label in held}
+        series.append(each | {"wide": label in wide})
     look = {"kind": "time", "unit": unit, "x": time, "rows": rows, "series": series}
     return Chart(caption, alt, look | {"levels": [*levels], "spans": [*spans]})
 

@@ -81,7 +81,8 @@ class Stage:
 
 @dataclass(frozen=True)
 class Bars:
-    """Rows of a name, bars (label, from, to, colour of the page) in percent, and words in place of the labels."""
+    """Rows of a name, bars (label, from, to, colour of the page) in percent, and words in place of the labels; a bar
+    without a label lies over the one before."""
 
     caption: str
     rows: Sequence[tuple[str, Sequence[tuple[str, float, float, str]], str]]

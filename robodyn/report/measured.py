@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Any
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,8 +13,12 @@ from robodyn.identification.faults.compare import Comparison
 from robodyn.identification.faults.faults import DELAY, GAIN, OWN, Fault
 from robodyn.report import document as doc
 from robodyn.report.table import is_noise, number, printable
-from robodyn.support.floats import einsum
+from robodyn.support.floats import Floats, einsum
 from robodyn.support.wording import count
+
+if TYPE_CHECKING:
+    from robodyn.report.charts import Course
+    from robodyn.robot.model import Model
 
 _GOOD = 0.05
 _ROUNDED = 1e-9
@@ -114,20 +119,104 @@ def measured_sections(found: Comparison) -> Iterator[doc.Section]:
 
 
 def measured_page(found: Comparison, pictures: bool = True) -> doc.Document:
-    """Return the same as a page, with plots of torques, residuals and friction."""
-    blocks: list[doc.Block] = [verdict_on(found)]
+    """Return the verdict, how far each joint is explained, plots of torques, residuals and friction, and the same."""
+    summary, causes, *numbers = measured_sections(found)
+    reasons = tuple(block.text for block in (*summary[:1], *causes[1:]) if isinstance(block, doc.Paragraph))
+    labels, rows = ("computed", "with effects"), []
+    charts: list[doc.Chart] = []
     if pictures:
-        from robodyn.report.pictures.figures import friction_figure, torque_figure
+        from robodyn.report.charts import Course
 
-        places = range(len(found.joints))
-        what = "What is measured beyond the computed torque and all told effects but friction, over speed."
-        torques, friction = (tuple(draw(found, j) for j in places) for draw in (torque_figure, friction_figure))
-        blocks += [doc.Heading("Measured over computed"), doc.Gallery(torques)]
-        blocks += [doc.Heading("Friction"), doc.Paragraph(what), doc.Gallery(friction)]
+        course = Course(found.curves)
+    for joint in found.joints:
+        parts = ((joint.residual, labels[0], "soft"), (joint.left, labels[1], "c2"))
+        rows.append((joint.name, error_bars((100.0 * x / joint.measured, *rest) for x, *rest in parts), ""))
+        if pictures:
+            said = f"measured {number(joint.measured)} {joint.unit} RMS, computed {number(joint.computed)}, "
+            said += f"residual {number(joint.residual)}, {number(joint.left)} with effects"
+            speed, told = (course.frames[f"{kind}_{joint.name}"] for kind in ("speed", "friction"))
+            dots = {"friction that is told": (speed, told)} if told.any() else {}
+            charts += log_charts(course, joint.name, joint.unit, labels, said, dots)
+    bars = doc.Bars("RMS of measured less computed torque, of that of the measured one", rows, CLIPPED)
+    first = [replace(verdict_on(found), reasons=reasons), bars, *doc.titled("Along the log", doc.gallery(charts))]
     what = f"Measured against computed torques of {printable(found.file)}"
     files = [("measured.json", measured_json(found))]
     how = "robodyn torques --measured --format json prints it"
-    return doc.page(found.robot, what, blocks, measured_sections(found), "Joint", files, how)
+    return doc.page(found.robot, what, first, numbers, "Joint", files, how)
+
+
+def played(
+    caption: str,
+    model: Model,
+    columns: Mapping[str, Floats],
+    kind: str,
+    words: Mapping[str, str] | None = None,
+    loop: bool = False,
+) -> Iterator[doc.Block]:
+    """Yield a robot along columns `time` and q_COORDINATE, with the torques KIND_JOINT; words: of its bodies."""
+    from robodyn.report import stage
+
+    efforts = ((columns.get(f"{kind}_{body.joint.name}"), body.joint.effort) for body in model.bodies)
+    use = [(tau, limit) if tau is not None and limit else None for tau, limit in efforts]
+    q = [columns[f"q_{name}"] for name in model.coordinates]
+    along = stage.motion("", columns["time"], q, use=use, arrows=stage.joint_torques(model, columns, kind))
+    shapes, why = stage.shapes_of_bodies(model)
+    caption += "; links in the colours of their joints' use of effort: green, red above 100 %" if any(use) else ""
+    yield stage.stage(caption, [stage.robot(model, [along], words=words)], [shapes], loop=loop)
+    yield from doc.paragraphs([why] if why else [])
+
+
+CLIPPED = "Bars end at 100 %."
+
+
+def error_bars(parts: Iterable[Sequence[Any]]) -> list[tuple[str, float, float, str]]:
+    """Return bars of errors: each in percent of the measured torque, what it is, and its colour."""
+    return [(f"{what} {percent(error / 100.0)}", 0.0, min(error, 100.0), colour) for error, what, colour in parts]
+
+
+def log_charts(
+    course: Course,
+    joint: str,
+    unit: str,
+    labels: tuple[str, str],
+    said: str,
+    dots: Mapping[str, tuple[Floats, Floats]],
+    lines: Mapping[str, tuple[Floats, Floats]] | None = None,
+    spans: Sequence[tuple[float, float, str]] = (),
+) -> Iterator[doc.Chart]:
+    """Yield torques of a joint along a log, what is measured beyond computed ones, and friction over speed.
+
+    Args:
+        labels: of what is computed, and of what is explained in the end; said: what is to be seen.
+        dots, lines: friction, beside what is measured beyond all but friction.
+    """
+    from robodyn.report.charts import plane_chart, time_chart
+
+    name, what, colours = printable(joint), "force" if unit == "N" else "torque", ("c1", "soft", "c2")
+    speed, measured, explained, friction = (
+        course.frames[f"{kind}_{joint}"] for kind in ("speed", "measured", "explained", "friction")
+    )
+    for title, kinds in ((what, ("measured", "computed", "explained")), ("residual", ("off", "left"))):
+        curves = {
+            label: course.curve(f"{kind}_{joint}", 0.0)
+            for label, kind in zip(("measured", *labels)[-len(kinds) :], kinds, strict=True)
+        }
+        caption, own = f"{name}: {title} [{unit}]", colours[-len(kinds) :]
+        alt, bands = f"{caption} over time: {said}", ("measured",)
+        yield time_chart(caption, alt, course.time, curves, unit, spans=spans, colours=own, wide=bands)
+    across = f"speed [{'m/s' if unit == 'N' else 'rad/s'}]"
+    caption, least, most = f"{name}: friction over speed", float(friction.min()), float(friction.max())
+    chart = plane_chart(
+        caption,
+        f"{caption}, from {number(least, most)} to {number(most, least)} {unit}",
+        across,
+        f"{what} [{unit}]",
+        dots={"measured less all else": (speed, measured - explained + friction), **dots},
+        lines=lines,
+        colours={"measured less all else": "c1"} | dict.fromkeys((*dots, *(lines or {})), "c2"),
+        time=course.frames["time"],
+    )
+    yield replace(chart, look={**chart.look, "height": 210})
 
 
 def verdict_on(found: Comparison) -> doc.Verdict:

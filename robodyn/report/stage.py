@@ -182,6 +182,18 @@ def weights(model: Model, gravity: Sequence[float]) -> list[dict[str, Any]]:
     ]
 
 
+def joint_torques(model: Model, columns: Mapping[str, Floats], kind: str = "tau") -> list[dict[str, Any]]:
+    """Return the torque or force of every joint of which there is a column KIND_JOINT."""
+    found = []
+    for k, joint in ((k, body.joint) for k, body in enumerate(model.bodies)):
+        tau, turns = columns.get(f"{kind}_{joint.name}"), joint.kind == "revolute"
+        if tau is not None and joint.mimics is None and (turns or joint.kind == "prismatic"):
+            values = [tau if a == 1.0 else [0.0] if a == 0.0 else a * tau for a in joint.axis.tolist()]
+            what = "joint torque" if turns else "joint force"
+            found.append(_arrow("torque", what, k, k, (0.0, 0.0, 0.0), values, turns))
+    return found
+
+
 def loads(model: Model, tree: Scene, columns: Mapping[str, Floats], contacts: Sequence[Contact] = ()) -> list[Any]:
     """Return arrows of what acts along a motion: joint torques and wrenches, of the base, and external wrenches.
 
@@ -190,18 +202,13 @@ def loads(model: Model, tree: Scene, columns: Mapping[str, Floats], contacts: Se
             what is not among them is left out.
         contacts: of the scene itself, for their cones.
     """
-    found = [*weights(model, tree.gravity)]
+    found = [*weights(model, tree.gravity), *joint_torques(model, columns)]
     for k, body in enumerate(model.bodies):
-        joint = body.joint
-        if joint.kind in ("revolute", "prismatic") and joint.mimics is None:
-            tau = columns[f"tau_{joint.name}"]
-            values = [tau if a == 1.0 else [0.0] if a == 0.0 else a * tau for a in joint.axis.tolist()]
-            what = "joint torque" if joint.kind == "revolute" else "joint force"
-            found.append(_arrow("torque", what, k, k, (0.0, 0.0, 0.0), values, joint.kind == "revolute"))
-        names = [f"base_{part}" if k == 0 else f"{part}_{joint.name}" for part in COMPONENTS]
+        joint = printable(body.joint.name)
+        names = [f"base_{part}" if k == 0 else f"{part}_{body.joint.name}" for part in COMPONENTS]
         for first, moment in ((0, False), (3, True)) if names[0] in columns else ():
             values = [columns[name] for name in names[first : first + 3]]
-            kind, what = ("base", "by the ground") if k == 0 else ("reaction", f"by joint {printable(joint.name)}")
+            kind, what = ("base", "by the ground") if k == 0 else ("reaction", f"by joint {joint}")
             found.append(_arrow(kind, what, k, k, (0.0, 0.0, 0.0), values, moment))
     for payload in tree.payloads:
         body, R, p = model.links[payload.link]

@@ -24,4 +24,4 @@ def add(curves: Courses, time: Floats, joints: Sequence[Floats], others: Sequenc
     """Take in rows: time (N,), (N, joints) of each of `KINDS`, and others (N,) each."""
     _, measured, computed, explained, _ = joints
     extremes = (measured, computed, explained, measured - computed, measured - explained)
-    curves.update((time, *others, *np.concatenate(joints, axis=1).T), np.concatenate(extremes, axis=1).T)
+    curves.update((time, *others, *np.concatenate(joints, axis=1).T), [*np.concatenate(extremes, axis=1).T])

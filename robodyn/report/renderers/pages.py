@@ -156,7 +156,7 @@ def _block(block: doc.Block) -> str:  # noqa: PLR0911
             found.append(f"- {_SIGNS[level]} **{escaped(title)}**\n" + "".join(f"\n{each}\n" for each in shown))
         return "\n".join(found)
     if isinstance(block, doc.Bars):
-        said = [(name, words or ", ".join(label for label, *_ in bars)) for name, bars, words in block.rows]
+        said = [(name, words or ", ".join(label for label, *_ in bars if label)) for name, bars, words in block.rows]
         return "\n".join(
             [f"**{escaped(block.caption)}**", "", *(f"- {escaped(name)}: {escaped(words)}" for name, words in said)]
         )

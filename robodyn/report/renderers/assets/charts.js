@@ -108,8 +108,8 @@ requestAnimationFrame(() => setTimeout(() => {
         return [least - gap, top + gap];
       } } },
       axes: axes("time [s]", null, false),
-      series: [{}, ...look.series.map(({ label, colour, held }) => ({
-        label, stroke: () => style(colour), width: 1.5, points: { show: data[0].length === 1 },
+      series: [{}, ...look.series.map(({ label, colour, held, wide }) => ({
+        label, stroke: () => style(colour), width: wide ? 5 : 1.5, alpha: wide ? 0.5 : 1, points: { show: data[0].length === 1 },
         paths: held ? uPlot.paths.stepped({ align: 1 }) : undefined,
       }))],
       hooks: {
