@@ -53,8 +53,8 @@ def test_friction_is_told_in_words_and_pictures(bench, tmp_path):
     assert abs(parameter["value"] - 9.0) < 4.0 * parameter["standard_error"]
     assert first["explains"]["shoulder"] > 0.9
     drawn = page.read_text(encoding="utf-8")
-    assert drawn.count("<figure") >= 2 * bench.model.n
-    assert re.search(r"Torque over speed of shoulder; friction that was told reaches (9|1\d)\.", drawn)
+    assert drawn.count('<figure class="chart"') == 3 * bench.model.n
+    assert re.search(r"shoulder: friction over speed, from -(9|1\d)\.\d+ to (9|1\d)\.\d+ N m", drawn)
 
 
 def test_exchanged_and_reversed_torques_are_said_first(bench, tmp_path):
