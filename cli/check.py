@@ -31,7 +31,7 @@ from robodyn.cli.options import (
 )
 from robodyn.cli.progress import robots_done
 from robodyn.cli.screen import complain, page, show, write_report
-from robodyn.errors import InputError
+from robodyn.errors import InputError, RobodynError
 from robodyn.report.check import (
     check_diff,
     check_json,
@@ -44,6 +44,7 @@ from robodyn.report.check import (
 from robodyn.report.document import text
 from robodyn.report.renderers.findings import check_github, check_junit, check_sarif
 from robodyn.report.table import PLAIN, Page
+from robodyn.robot.model import Model
 from robodyn.robot.urdf.document import read
 from robodyn.robot.urdf.sources import is_xacro
 from robodyn.support.files import write_whole
@@ -57,6 +58,8 @@ def _codes(text: str) -> tuple[str, ...]:
 
 CODES = Parsed("codes", _codes)
 PROGRAMS = Parsed("names", lambda text: tuple(code.strip().lower() for code in text.split(",")))
+_DRAWN = 4
+"""Robots that a page shows at most."""
 FORMATS = ("text", "short", "json", "sarif", "junit", "github")
 
 
@@ -94,6 +97,17 @@ def _fix(tasks: Sequence[Task], unsafe: bool, diff: bool) -> bool:
     for line in fix_lines(files, "would fix" if diff else "fixed"):
         click.echo(line, err=True)
     return diff and bool(changed)
+
+
+def _models(tasks: Sequence[Task], call: Call) -> dict[str, Model]:
+    """Return the models of the files that can be loaded."""
+    from robodyn.robot.load import load
+
+    models = {}
+    for task in tasks:
+        with suppress(RobodynError):
+            models[task.name] = load(task.source, **call.lookup)
+    return models
 
 
 @click.command("check", short_help="Find what is wrong with descriptions, for people and CI.")
@@ -215,6 +229,7 @@ def command(
         for form, file in also:
             write_whole(file, written(form).encode("utf-8", "backslashreplace"))
     if call.report is not None:
-        click.echo(write_report(call.report, check_page(checked)).strip(), err=True)
+        models = _models(tasks[:_DRAWN], call) if call.pictured else {}
+        click.echo(write_report(call.report, check_page(checked, models)).strip(), err=True)
     fatal = (Severity.ERROR, Severity.WARNING) if strict else (Severity.ERROR,)
     return 2 if checked.unread else int(any(checked.count(severity) for severity in fatal))

@@ -7,12 +7,13 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import groupby
 from math import sqrt
 from pathlib import PurePath
 from textwrap import indent, wrap
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from robodyn.checks.rule import Severity
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from robodyn.checks.fixes import Fixed
     from robodyn.checks.overview import Branch, Overview
     from robodyn.checks.rule import Excerpt, Finding, Fix, Rule
+    from robodyn.robot.model import Model
 
 
 LEVELS: dict[Severity, doc.Level] = {Severity.ERROR: "bad", Severity.WARNING: "doubtful", Severity.NOTE: "neutral"}
@@ -171,23 +173,39 @@ def marked(line: int, excerpt: Excerpt) -> list[str]:
     return [margin + excerpt.text, f"{gap}| {' ' * len(printable(before))}{'^' * max(len(printable(within)), 1)}"]
 
 
-def check_page(checked: Checked) -> doc.Document:
-    """Return whether the descriptions can be used, which rules speak and how often, and every finding with its line."""
+def check_page(checked: Checked, models: Mapping[str, Model] = MappingProxyType({})) -> doc.Document:
+    """Return whether the descriptions can be used, the robots of files that load, every finding with its line by file
+    and severity, and what the rules that speak ask for."""
+    from robodyn.checks.catalogue import BY_CODE
+
     verdict = check_verdict(checked)
     fixes = sum(finding.fix is not None and finding.fix.safe for finding in checked.findings)
     correct = f"robodyn check --fix corrects {fixes} of the findings and leaves the dynamics as they are."
     hidden = [f"Not shown: {hidden_line(checked)}."] if checked.hidden else []
     reasons = (*verdict.reasons, *([correct] if fixes else []), *hidden)
     blocks: list[doc.Block] = [replace(verdict, reasons=reasons)]
+    if len(checked.files) == 1:
+        blocks += [block for file, model in models.items() for block in _drawn(checked, file, model)]
+    counts = {severity: checked.count(severity) for severity in LEVELS if checked.count(severity)}
+    if len(counts) > 1:
+        blocks.append(doc.Levels(tuple((LEVELS[each], count(many, each.value)) for each, many in counts.items())))
+    for file in dict.fromkeys(finding.file for finding in checked.findings):
+        blocks.append(doc.Heading(printable(file)))
+        if file in models and len(checked.files) > 1:
+            blocks += _drawn(checked, file, models[file])
+        for severity in counts:
+            found = [one for one in checked.findings if one.file == file and one.severity is severity]
+            codes, caption = tuple(one.code for one in found), count(len(found), severity.value)
+            blocks += [doc.Findings(tuple(map(_item, found)), caption, codes)] if found else []
     if checked.findings:
         tables = [
             block for section in statistics_sections(checked) for block in section if isinstance(block, doc.Table)
         ]
         tables[0] = replace(tables[0], caption="How often each rule speaks")
-        blocks += [doc.Heading("Rules"), *tables, doc.Paragraph("robodyn rule CODE explains a rule.")]
-    for file in dict.fromkeys(finding.file for finding in checked.findings):
-        found = [finding for finding in checked.findings if finding.file == file]
-        blocks += [doc.Heading(printable(file)), doc.Findings(tuple(map(_item, found)))]
+        rules = [BY_CODE[code] for code in sorted({finding.code for finding in checked.findings}) if code in BY_CODE]
+        said = [(one.code, f"{one.code} {one.name}: {one.summary}", one.explanation) for one in rules]
+        blocks += [doc.Heading("Rules"), *tables, doc.Folded(tuple(said))]
+        blocks.append(doc.Paragraph("robodyn rule CODE shows an example of what a rule finds."))
     blocks += doc.data_blocks([("findings.json", check_json(checked))], "robodyn check --format json prints it")
     title = PurePath(checked.files[0]).name if len(checked.files) == 1 else "Robot descriptions"
     return doc.Document(
@@ -195,8 +213,31 @@ def check_page(checked: Checked) -> doc.Document:
     )
 
 
+def _drawn(checked: Checked, file: str, model: Model) -> Iterator[doc.Block]:
+    """Yield the robot of a file; the links with errors and warnings, or joints with such, are lit."""
+    from robodyn.report import stage
+    from robodyn.robot.kinematics import configuration, nearest_to_zero
+
+    numbers, lit, said = stage.bodies_of(model), dict[str, str](), dict[str, list[str]]()
+    for severity, level in LEVELS.items():
+        for one in (place for finding in checked.findings for place in finding.places):
+            of = numbers.get((one.subject.kind, one.subject.name)) if one.subject else None
+            if one.severity is severity and of is not None and file in (one.checked, *one.robots):
+                said.setdefault(model.bodies[of].name, []).append(f"{severity.value} {one.code}, {one.message}")
+                lit.setdefault(model.bodies[of].name, level)
+    lit = {name: level for name, level in lit.items() if level != "neutral"}
+    words = {name: "; ".join(lines) for name, lines in said.items()}
+    at = stage.pose(model, configuration(model, nearest_to_zero(model)).tolist())
+    shown = stage.robot(model, [at], lit=lit, words=words)
+    named = {"bad": "errors in red", "doubtful": "warnings in amber"}
+    marked = ", ".join(f"links with {each}" for level, each in named.items() if level in lit.values())
+    alt = "; ".join(f"{name}: {words[name]}" for name in lit)
+    shapes = [stage.shapes_of_bodies(model)[0]]
+    yield stage.stage(f"{model.name}{marked and f': {marked}'}", [shown], shapes, alt=alt)
+
+
 def _item(finding: Finding) -> tuple[doc.Level, str, tuple[tuple[str, bool], ...]]:
-    title = f"Line {finding.line}: {finding.message} ({finding.severity.value} {finding.code} {finding.name})"
+    title = f"Line {finding.line}: {finding.message}"
     lines = [("\n".join(marked(finding.line, finding.excerpt)), True)] if finding.excerpt.text else []
     if finding.others:
         lines.append((f"Also at {'; '.join(further(finding))}.", False))

@@ -73,11 +73,7 @@ def _overlay(found: Comparison) -> Iterator[doc.Block]:
     from robodyn.report import stage
 
     robots = (found.a, found.b)
-    places = [
-        {("link", link): frame.body for link, frame in each.links.items()}
-        | {("joint", body.joint.name): k for k, body in enumerate(each.bodies)}
-        for each in robots
-    ]
+    places = [stage.bodies_of(each) for each in robots]
     partner = {pair.a: pair.b for pair in found.pairs}
     guilty = [one.difference for one in found.torques if one.difference and one.exceeds(found.tolerance)]
     said: tuple[dict[str, list[str]], ...] = {}, {}
@@ -109,7 +105,8 @@ def _overlay(found: Comparison) -> Iterator[doc.Block]:
     shapes = [stage.shapes_of_bodies(each) for each in robots]
     what = "links guilty of the torques" if guilty else "links that differ"
     caption = f"A, grey, and B, blue and seen through, laid over each other{f'; {what} in red' if any(lit) else ''}"
-    yield stage.stage(caption, [mine, theirs], [each for each, _ in shapes])
+    alt = "; ".join(f"{name}: {said}" for name, said in words[0].items() if name in lit[0])
+    yield stage.stage(caption, [mine, theirs], [each for each, _ in shapes], alt=alt)
     yield from doc.paragraphs(dict.fromkeys(why for _, why in shapes if why))
 
 

@@ -98,9 +98,28 @@ class Gallery:
 
 @dataclass(frozen=True)
 class Findings:
-    """Remarks, each a level, a title, and lines; lines of a source are among them as (text, True)."""
+    """Remarks, each a level, a title, and lines; lines of a source are among them as (text, True).
+
+    Those with a caption are of one level, and hidden by its box in `Levels`; links: what each leads to in `Folded`.
+    """
 
     items: tuple[tuple[Level, str, tuple[tuple[str, bool], ...]], ...]
+    caption: str = ""
+    links: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Levels:
+    """Boxes that show or hide findings: levels, and how many there are of each in words."""
+
+    items: tuple[tuple[Level, str], ...]
+
+
+@dataclass(frozen=True)
+class Folded:
+    """Explanations that open: what findings link to, a title, and words."""
+
+    items: tuple[tuple[str, str, str], ...]
 
 
 @dataclass(frozen=True)
@@ -118,7 +137,21 @@ class Downloads:
     notes: tuple[str, ...] = ()
 
 
-Block = Heading | Paragraph | Verdict | Facts | Table | Bars | Chart | Gallery | Stage | Findings | Downloads
+Block = (
+    Heading
+    | Paragraph
+    | Verdict
+    | Facts
+    | Table
+    | Bars
+    | Chart
+    | Gallery
+    | Stage
+    | Findings
+    | Levels
+    | Folded
+    | Downloads
+)
 Section = Sequence[Block]
 """Blocks that belong together: text has an empty line between sections."""
 

@@ -306,8 +306,7 @@ def _solids(
     )
     caption = f"Centre of mass{', principal axes and planes of symmetry' if discs else ' and principal axes'}"
     declared = not isinstance(solids[0], Part)
-    found = stage.stage(caption, robots, drawn, through=True, ellipsoids=declared, marks=marks)
-    return [replace(found, alt=f"Solids in 3-D. {'; '.join(said)}")]
+    return [stage.stage(caption, robots, drawn, through=True, ellipsoids=declared, marks=marks, alt="; ".join(said))]
 
 
 def _axes(bodies: Sequence[tuple[MassProperties, float]]) -> list[dict[str, Any]]:

@@ -35,7 +35,16 @@ KINDS = {
     "loop": {"what": "forces of loops", "colour": "c5", "on": False},
     "base": {"what": "wrench of the base", "colour": "c4", "on": False},
 }
-_STILL = {"name": "", "time": None, "rows": None, "q": [], "rest": [], "use": [], "sliders": [], "arrows": []}
+_STILL: dict[str, Any] = {
+    "name": "",
+    "time": None,
+    "rows": None,
+    "q": [],
+    "rest": [],
+    "use": [],
+    "sliders": [],
+    "arrows": [],
+}
 Entry = Floats | list[float]
 """Values over the rows of a motion, or one that stays, in a list."""
 
@@ -44,18 +53,16 @@ def stage(
     caption: str,
     robots: Sequence[dict[str, Any]],
     shapes: Sequence[Mapping[int, Floats]],
-    *,
-    bars: bool = False,
-    ellipsoids: bool = False,
-    through: bool = False,
-    loop: bool = False,
     marks: Sequence[dict[str, Any]] = (),
+    alt: str = "",
+    **shown: bool,
 ) -> Stage:
     """Return a view of robots, each of `robot` or `solid`; shapes: of each by body (m, 3, 3) triangles in its frame.
 
     Args:
-        bars: draw bars from joint to joint also where there are meshes; ellipsoids, through: shown from the start.
-        loop: play a motion again and again, in 5 s each; marks: each of `mark`.
+        marks: each of `mark`; alt: what is to be seen, in words.
+        shown: bars, from joint to joint also where there are meshes; ellipsoids, through: shown from the start; loop: a
+            motion is played again and again, in 5 s each.
     """
     meshes, error = _meshes(
         [
@@ -66,11 +73,9 @@ def stage(
     )
     words = f"Meshes are drawn to within {1000.0 * error:.2g} mm. " if meshes else ""
     words += "Drag to turn, shift and drag to move, wheel or pinch to zoom; click a link for its numbers."
-    look = {"robots": [*robots], "meshes": meshes, "kinds": KINDS, "bars": bars, "ellipsoids": ellipsoids}
     names = ", ".join(printable(robot["name"]) for robot in robots)
-    return Stage(
-        caption, f"The robot in 3-D: {names}", words, look | {"through": through, "loop": loop, "marks": [*marks]}
-    )
+    look = {"robots": [*robots], "meshes": meshes, "kinds": KINDS, "marks": [*marks]}
+    return Stage(caption, f"In 3-D: {names}{alt and f'; {alt}'}", words, look | shown)
 
 
 def robot(
@@ -171,6 +176,14 @@ def pose(model: Model, q: Sequence[float], arrows: Iterable[dict[str, Any]] = ()
             sliders.append(each | {"lower": low, "upper": high, "value": float(q[joint.coordinate])})
     still = {"name": "", "time": None, "rows": None, "q": [], "rest": [float(x) for x in q], "use": []}
     return still | {"sliders": sliders, "arrows": [*arrows]}
+
+
+def bodies_of(model: Model) -> dict[tuple[str, str], int]:
+    """Return the number of the body that a ("link", name) is part of, or a ("joint", name) carries."""
+    found = {("link", link): frame.body for link, frame in model.links.items()}
+    found |= {("joint", body.joint.name): k for k, body in enumerate(model.bodies)}
+    joints = () if model.description is None else model.description.joints
+    return found | {("joint", one.name): model.links[one.child].body for one in joints if one.child in model.links}
 
 
 def weights(model: Model, gravity: Sequence[float]) -> list[dict[str, Any]]:

@@ -33,3 +33,10 @@ for (const table of document.querySelectorAll("table:has(thead)")) {
     });
   });
 }
+// A link to what is folded unfolds it.
+const unfold = () => {
+  const target = document.getElementById(location.hash.slice(1));
+  if (target?.matches("details")) target.open = true;
+};
+window.addEventListener("hashchange", unfold);
+unfold();
