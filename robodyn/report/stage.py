@@ -186,13 +186,18 @@ def bodies_of(model: Model) -> dict[tuple[str, str], int]:
     return found | {("joint", one.name): model.links[one.child].body for one in joints if one.child in model.links}
 
 
-def weights(model: Model, gravity: Sequence[float]) -> list[dict[str, Any]]:
-    """Return the weight of every body, at its mass centre in the axes of the ground."""
-    return [
-        _arrow("weight", "weight", k, None, body.inertia.centre_of_mass, [[float(body.inertia.m) * g] for g in gravity])
-        for k, body in enumerate(model.bodies)
-        if body.inertia.m > 0.0
-    ]
+def weights(model: Model, scene: Scene) -> list[dict[str, Any]]:
+    """Return the weight of every body and payload, at its mass centre in the axes of the ground."""
+    found = []
+    for k, body in enumerate(model.bodies):
+        if body.inertia.m > 0.0:
+            weight: list[Entry] = [[float(body.inertia.m) * g] for g in scene.gravity]
+            found.append(_arrow("weight", "weight", k, None, body.inertia.centre_of_mass, weight))
+    for payload in scene.payloads:
+        on, R, p = model.links[payload.link]
+        point, weight = product(R, np.array(payload.com)) + p, [[payload.mass * g] for g in scene.gravity]
+        found.append(_arrow("weight", "weight of the payload", on, None, point, weight))
+    return found
 
 
 def joint_torques(model: Model, columns: Mapping[str, Floats], kind: str = "tau") -> list[dict[str, Any]]:
@@ -215,7 +220,7 @@ def loads(model: Model, tree: Scene, columns: Mapping[str, Floats], contacts: Se
             what is not among them is left out.
         contacts: of the scene itself, for their cones.
     """
-    found = [*weights(model, tree.gravity), *joint_torques(model, columns)]
+    found = [*weights(model, tree), *joint_torques(model, columns)]
     for k, body in enumerate(model.bodies):
         joint = printable(body.joint.name)
         names = [f"base_{part}" if k == 0 else f"{part}_{body.joint.name}" for part in COMPONENTS]
@@ -223,11 +228,6 @@ def loads(model: Model, tree: Scene, columns: Mapping[str, Floats], contacts: Se
             values = [columns[name] for name in names[first : first + 3]]
             kind, what = ("base", "by the ground") if k == 0 else ("reaction", f"by joint {joint}")
             found.append(_arrow(kind, what, k, k, (0.0, 0.0, 0.0), values, moment))
-    for payload in tree.payloads:
-        body, R, p = model.links[payload.link]
-        weight: list[Entry] = [[payload.mass * g] for g in tree.gravity]
-        point = product(R, np.array(payload.com)) + p
-        found.append(_arrow("weight", "weight of the payload", body, None, point, weight))
     cones = {contact.link: contact for contact in contacts}
     for wrench in tree.wrenches:
         if any(isinstance(each, str) and each not in columns for each in (*wrench.force, *wrench.moment)):

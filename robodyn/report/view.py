@@ -77,7 +77,7 @@ def view_page(model: Model, motion: Motion | None, scene: Scene, at: Values | No
         said.append(f"Loops: {names}, {begin}. Sliders move the joints of the tree one by one, and open loops.")
     said += beyond_limits(model, q)
     shapes, why = stage.shapes_of_bodies(model)
-    robot = stage.robot(model, [stage.pose(model, q.tolist(), stage.weights(model, scene.gravity))])
+    robot = stage.robot(model, [stage.pose(model, q.tolist(), stage.weights(model, scene))])
     blocks: list[doc.Block] = [
         stage.stage("The robot, whose joints are moved below", [robot], [shapes], bars=bool(why))
     ]

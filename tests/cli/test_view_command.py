@@ -99,12 +99,13 @@ def test_every_format_has_sliders_from_the_limit_nearest_to_zero(name: str) -> N
     assert sliders(Path("m.html")) == {"turn": (0.5, 0.5, 2.0)}
 
 
-def test_weights_have_the_gravity_of_the_scene() -> None:
-    shown("view", "arm.urdf", "--gravity", "0,0,-1.62", "--report", "m.html")
+def test_weights_are_those_of_the_scene() -> None:
+    shown("view", "arm.urdf", "--gravity", "0,0,-1.62", "--payload", "fore=3@0.1,0,0", "--report", "m.html")
     (stage,) = looks(Path("m.html"))
     arrows = stage["robots"][0]["motions"][0]["arrows"]
     assert {arrow["kind"] for arrow in arrows} == {"weight"}
-    assert [arrow["values"][2] for arrow in arrows] == [pytest.approx([-1.62 * mass]) for mass in (2.0, 1.0)]
+    assert arrows[-1]["point"] == [0.1, 0.0, 0.0]
+    assert [arrow["values"][2] for arrow in arrows] == [pytest.approx([-1.62 * mass]) for mass in (2.0, 1.0, 3.0)]
 
 
 def test_loops_are_closed_at_first_and_said_to_open() -> None:
