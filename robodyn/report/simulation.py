@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from itertools import pairwise
+from itertools import groupby, pairwise
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -150,95 +151,82 @@ def _moving(result: Simulation) -> Iterator[doc.Block]:
     """Yield the robot along its motion, how much of limits it uses, and curves of all that was recorded."""
     from robodyn.loads.history import Courses
 
-    model, size, figures = result.model, simulation_sizes(result), result.figures
-    work = result.work - result.work[0]
-    curves = dict(zip(result.names, result.columns.T, strict=True))
-    curves |= {"kinetic": figures.kinetic, "potential": figures.energy - figures.kinetic, "work done": work}
-    curves |= {"drift": figures.energy - figures.energy[0] - work}
-    momenta = {"linear": figures.linear, "angular": figures.angular}
-    curves |= {f"{kind} {axis}": each[:, k] for kind, each in momenta.items() for k, axis in enumerate("xyz")}
-    if result.loops:
-        sizes_of = {"force": result.loops.wrenches[:, :, :3], "moment": result.loops.wrenches[:, :, 3:]}
-        most = {kind: np.sqrt(np.square(each).sum(axis=2)) for kind, each in sizes_of.items()}
-        curves |= {f"{kind} {k}": each[:, k] for kind, each in most.items() for k in range(each.shape[1])}
+    plots = [*_plots(result)]
+    curves = {f"{plot.what} {label}": each for plot in plots for label, each in plot.curves.items()}
     courses = Courses(("time", *result.names), tuple(curves))
     courses.update([result.time, *result.columns.T], [*curves.values()])
     course = Course(courses)
-
-    def chart(
-        what: str,
-        unit: str,
-        scale: float,
-        names: Mapping[str, str],
-        limits: Iterable[float | None] = (),
-        colour: int = 0,
-    ) -> Iterator[doc.Chart]:
-        shown = {label: course.curve(name, scale) for label, name in names.items()}
-        if any(np.any(each) for each in shown.values()):
-            ends = [
-                f"{label} {number(curves[name].min(), scale)} to {number(curves[name].max(), scale)} {unit}"
-                for label, name in [*names.items()][:8]
-            ]
-            levels = [(limit, "limit") for limit in limits if limit is not None]
-            colours = [*COLOURS[colour:], *COLOURS[:colour]]
-            alt, caption = f"{what} over time: {', '.join(ends)}", f"{what} [{unit}]"
-            yield time_chart(caption, alt, course.time, shown, unit, rows=course.rows, levels=levels, colours=colours)
-
     yield from _stage(result, course)
     yield from use_bars(result)
+    floating = [joint for joint in result.model.independent if joint.kind == "floating"]
+    for heading, group in groupby(plots, key=lambda plot: plot.heading):
+        charts = [chart for joint in floating for chart in _path(result, joint, course)] if heading == "Base" else []
+        for what, unit, scale, each, limits, colour in (plot[1:] for plot in group):
+            shown = {label: course.curve(f"{what} {label}", scale) for label in each}
+            ends = (f"{name} {number(x.min(), scale)} to {number(x.max(), scale)} {unit}" for name, x in each.items())
+            levels = [(limit, "limit") for limit in limits if limit is not None]
+            look: dict[str, Any] = {"rows": course.rows, "levels": levels, "colours": COLOURS[colour:]}
+            if any(np.any(curve) for curve in shown.values()):
+                alt = f"{what} over time: {', '.join(ends)}"
+                charts.append(time_chart(f"{what} [{unit}]", alt, course.time, shown, unit, **look))
+        yield from doc.titled(heading, doc.gallery(charts))
+
+
+class _Plot(NamedTuple):
+    """Curves (N,) by label of one unit; what is small beside the scale throughout is none."""
+
+    heading: str
+    what: str
+    unit: str
+    scale: float
+    curves: dict[str, Floats]
+    limits: Iterable[float | None] = ()
+    colour: int = 0
+
+
+def _plots(result: Simulation) -> Iterator[_Plot]:
+    model, size, figures = result.model, simulation_sizes(result), result.figures
     joints = [joint for joint in model.independent if joint.kind != "floating"]
-    travel = {joint.name: float(np.ptp(result.q[:, joint.coordinate])) for joint in joints}
-    shown = sorted(ranked(joints, key=lambda joint: travel[joint.name])[:PLOTTED], key=joints.index)
-    charts: list[doc.Chart] = []
-    limits = {each.name: each for each in result.joints}
-    for joint in shown:
-        name, at, rate = joint.name, joint.coordinate, joint.rate
-        slides, own = joint.kind == "prismatic", limits[name]
-        units = ("m", "m/s", "N") if slides else ("rad", "rad/s", "N m")
-        loads = "drive's force" if slides else "drive's torque"
-        effort, speed = ([x, -x] if x else [] for x in (own.effort_limit, own.velocity_limit))
-        for what, kind, unit, scale, ends, colour in (
-            ("position", "q", units[0], size.q[at], [joint.lower, joint.upper], 0),
-            ("speed", "qd", units[1], size.qd[rate], speed, 1),
-            (loads, "tau", units[2], size.tau[rate], effort, 2),
-        ):
-            charts += chart(f"{name}: {what}", unit, scale, {what: f"{kind}_{name}"}, ends, colour)
-    some = f"The joints that move most, {len(shown)} of {len(joints)}; the tables have all."
-    words = doc.paragraphs([some] if len(shown) < len(joints) else [])
-    yield from doc.titled("Joints", [*words, *doc.gallery(charts)])
-    charts = []
+    most = ranked(range(len(joints)), key=lambda k: float(np.ptp(result.q[:, joints[k].coordinate])))
+    for k in sorted(most[:PLOTTED]):
+        name, at, rate, own = joints[k].name, joints[k].coordinate, joints[k].rate, result.joints[k]
+        place, speed, load = ("m", "m/s", "force") if own.unit == "N" else ("rad", "rad/s", "torque")
+        effort, velocity = ([x and -x, x] for x in (own.effort_limit, own.velocity_limit))
+        q, qd, tau = result.q[:, at], result.qd[:, rate], result.tau[:, rate]
+        ends = (joints[k].lower, joints[k].upper)
+        yield _Plot("Joints", f"{name}: position", place, size.q[at], {"position": q}, ends)
+        yield _Plot("Joints", f"{name}: speed", speed, size.qd[rate], {"speed": qd}, velocity, 1)
+        drive = f"drive's {load}"
+        yield _Plot("Joints", f"{name}: {drive}", own.unit, size.tau[rate], {drive: tau}, effort, 2)
+
+    def axes(vectors: Floats) -> dict[str, Floats]:
+        return dict(zip("xyz", vectors.T, strict=True))
+
     for joint in model.independent:
         if joint.kind == "floating":
-            charts += _path(result, joint, course)
-            for what, kind, unit, letter, scale in (
-                ("position", "q", "m", "", size.q[joint.coordinate]),
-                ("velocity", "qd", "m/s", "v", size.qd[joint.rate + 3]),
-                ("angular velocity, in its own axes", "qd", "rad/s", "w", size.qd[joint.rate]),
-            ):
-                names = {axis: f"{kind}_{joint.name}_{letter}{axis}" for axis in "xyz"}
-                charts += chart(f"{joint.name}: {what}", unit, scale, names)
-    yield from doc.titled("Base", doc.gallery(charts))
+            name, at, rate = joint.name, joint.coordinate, joint.rate
+            turns, shifts = (axes(result.qd[:, k : k + 3]) for k in (rate, rate + 3))
+            yield _Plot("Base", f"{name}: position", "m", size.q[at], axes(result.q[:, at : at + 3]))
+            yield _Plot("Base", f"{name}: velocity", "m/s", size.qd[rate + 3], shifts)
+            yield _Plot("Base", f"{name}: angular velocity, in its own axes", "rad/s", size.qd[rate], turns)
     if result.free:
-        charts = []
-        for kind, unit in (("linear", "N s"), ("angular", "N m s")):
-            about = ", about the mass centre" if kind == "angular" else ""
-            scale = float(np.abs(momenta[kind]).max())
-            charts += chart(
-                f"{kind.capitalize()} momentum{about}", unit, scale, {axis: f"{kind} {axis}" for axis in "xyz"}
-            )
-        yield from doc.titled("Momenta", doc.gallery(charts))
+        linear, angular = (float(np.abs(each).max()) for each in (figures.linear, figures.angular))
+        angular = max(angular, linear * model.reach)
+        yield _Plot("Momenta", "Linear momentum", "N s", linear, axes(figures.linear))
+        yield _Plot("Momenta", "Angular momentum, about the mass centre", "N m s", angular, axes(figures.angular))
     if result.loops:
-        charts = []
-        for kind, unit in (("force", "N"), ("moment", "N m")):
-            scale = max(float(each.max()) for each in most.values())
-            loops = {name: f"{kind} {k}" for k, name in enumerate(result.loops.names[: len(COLOURS)])}
-            charts += chart(f"{kind.capitalize()} of loops", unit, scale, loops)
-        yield from doc.titled("Loops", doc.gallery(charts))
-    energies = {name: name for name in ("kinetic", "potential", "work done")}
-    charts = [*chart("Energies, and work done by drives and wrenches", "J", size.energy, energies)]
+        largest = 0.0
+        for what, unit, first in (("Force", "N", 0), ("Moment", "N m", 3)):
+            whole = np.sqrt(np.square(result.loops.wrenches[:, :, first : first + 3]).sum(axis=2))
+            curves = dict(zip(result.loops.names[: len(COLOURS)], whole.T, strict=False))
+            largest = max(float(whole.max()), largest * model.reach)  # a moment also beside the force at the reach
+            yield _Plot("Loops", f"{what} of loops", unit, largest, curves)
+    work = result.work - result.work[0]
+    parts = {"kinetic": figures.kinetic, "potential": figures.energy - figures.kinetic, "work done": work}
+    yield _Plot("Energy", "Energies, and work done by drives and wrenches", "J", size.energy, parts)
     if result.energy_drift > NOISE * size.energy:
-        charts += chart("Drift: stored energy less work", "J", 0.0, {"drift": "drift"}, colour=5)
-    yield from doc.titled("Energy", doc.gallery(charts))
+        drift = {"drift": figures.energy - figures.energy[0] - work}
+        yield _Plot("Energy", "Drift: stored energy less work", "J", 0.0, drift, (), 5)
 
 
 def _stage(result: Simulation, course: Course) -> Iterator[doc.Block]:
@@ -278,8 +266,8 @@ def _path(result: Simulation, joint: Joint, course: Course) -> Iterator[doc.Char
         words = f"{joint.name}: path over {across} and {up}"
         alt = f"{words}: {number(far[across])} m along {across}, {number(far[up])} m along {up}"
         dots = {"base": (ways[across], ways[up])}
-        time = course.frames["time"]
-        yield plane_chart(words, alt, f"{across} [m]", f"{up} [m]", dots=dots, time=time, equal=True)
+        look: dict[str, Any] = {"time": course.frames["time"], "equal": True}
+        yield plane_chart(words, alt, f"{across} [m]", f"{up} [m]", dots=dots, **look)
 
 
 def simulation_json(result: Simulation) -> str:

@@ -104,7 +104,7 @@ def test_a_satellite_flies_along_its_simulated_motion() -> None:
     momentum = series(dict(shown["Angular momentum, about the mass centre [N m s]"].look))
     assert np.ptp(momentum["y"]["y"]) < 1e-9 < np.abs(momentum["y"]["y"]).max()
     assert f"drive's torque {-0.0 + found.tau[:, k].min():#.4g} to" in shown["left_array: drive's torque [N m]"].alt
-    assert shown["left_array: drive's torque [N m]"].look["levels"] == [(1.0, "limit"), (-1.0, "limit")]
+    assert shown["left_array: drive's torque [N m]"].look["levels"] == [(-1.0, "limit"), (1.0, "limit")]
 
 
 def test_red_leads_the_one_verdict_of_a_simulation(tmp_path: Path) -> None:

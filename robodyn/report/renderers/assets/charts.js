@@ -243,7 +243,7 @@ requestAnimationFrame(() => setTimeout(() => {
           if (best[1] === null) return;
           const [, s, k] = best, [x, y] = s < 0 ? look.marks[k] : [points[s][0][k], points[s][1][k]];
           const label = s < 0 ? look.marks[k][2] : look.series[s].names?.[k] ?? look.series[s].label;
-          readout(figure, "", [[s < 0 ? look.marks[k][3] : look.series[s].colour, label, `${look.across} ${short(x)}, ${look.up} ${short(y)}`]]);
+          readout(figure, "", [[s < 0 ? look.marks[k][3] : look.series[s].colour, `${label}:`, `${look.across} ${short(x)}, ${look.up} ${short(y)}`]]);
           if (s === 0 && time) setTime(time[k], self);
         }],
       },
