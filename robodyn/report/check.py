@@ -203,7 +203,7 @@ def check_page(checked: Checked, models: Mapping[str, Model] = MappingProxyType(
         ]
         tables[0] = replace(tables[0], caption="How often each rule speaks")
         rules = [BY_CODE[code] for code in sorted({finding.code for finding in checked.findings}) if code in BY_CODE]
-        said = [(one.code, f"{one.code} {one.name}: {one.summary}", one.explanation) for one in rules]
+        said = [(one.code, f"{one.code} {one.name}: {one.summary}", " ".join(one.explanation.split())) for one in rules]
         blocks += [doc.Heading("Rules"), *tables, doc.Folded(tuple(said))]
         blocks.append(doc.Paragraph("robodyn rule CODE shows an example of what a rule finds."))
     blocks += doc.data_blocks([("findings.json", check_json(checked))], "robodyn check --format json prints it")
@@ -230,10 +230,12 @@ def _drawn(checked: Checked, file: str, model: Model) -> Iterator[doc.Block]:
     at = stage.pose(model, configuration(model, nearest_to_zero(model)).tolist())
     shown = stage.robot(model, [at], lit=lit, words=words)
     named = {"bad": "errors in red", "doubtful": "warnings in amber"}
-    marked = ", ".join(f"links with {each}" for level, each in named.items() if level in lit.values())
+    marked = [f"links with {each}" for level, each in named.items() if level in lit.values()]
     alt = "; ".join(f"{name}: {words[name]}" for name in lit)
     shapes = [stage.shapes_of_bodies(model)[0]]
-    yield stage.stage(f"{model.name}{marked and f': {marked}'}", [shown], shapes, alt=alt)
+    yield stage.stage(
+        f"{model.name}: {', '.join(marked) or 'no link with errors or warnings'}", [shown], shapes, alt=alt
+    )
 
 
 def _item(finding: Finding) -> tuple[doc.Level, str, tuple[tuple[str, bool], ...]]:
