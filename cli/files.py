@@ -144,7 +144,6 @@ _OURS = {
     "a baseline": rb'"robodyn_baseline"',
     "a list of findings": rb'<testsuites name="robodyn |\A\{\s*"(findings|\$schema)"|\A::\w+ file=|files? checked'
     rb"|(error|warning|note) RD\d",
-    "a picture": rb"\A\x89PNG|\A%PDF|\A<\?xml[^<]*<!DOCTYPE svg",
     "a drawing": rb"\A<svg ",
 }
 """What the beginning or the end of a file has that robodyn writes, by its kind."""

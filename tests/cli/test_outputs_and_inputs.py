@@ -57,7 +57,6 @@ SUFFIX = {
     "a covariance": ".json",
     "source code": ".c",
     "a converted description": ".xml",
-    "a picture": ".svg",
     "a list of findings": ".sarif",
 }
 SAID = {"--also": "sarif="}
