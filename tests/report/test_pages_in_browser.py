@@ -1,4 +1,4 @@
-"""Pages in a real browser, without network: what is seen is what was computed, by pointer, keyboard, phone and paper."""
+"""Pages in a real browser, without network: what is seen is what was computed, by pointer, keyboard and on paper."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ from scipy.spatial.transform import Rotation
 import robodyn
 from robodyn.robot.kinematics import body_poses
 
+LOG = Path(__file__).parents[1] / "data" / "tx40_log"
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 ARGUMENTS = (
     "--no-sandbox --disable-quic --no-first-run --disable-background-networking --disable-component-update "
@@ -35,12 +36,24 @@ MOTIONS = {
 }
 """Pages of `torques`: a robot, its motion, and its scene."""
 CALLS = {
-    name: ("torques", f"{robot}.urdf", f"{motion}.csv", *(("--scene", f"{scene}.toml") if scene else ()))
+    name: f"torques {robot}.urdf {motion}.csv" + (f" --scene {scene}.toml" if scene else "")
     for name, (robot, motion, scene) in MOTIONS.items()
+} | {
+    "runs": "torques puma.urdf puma_reach.csv puma_waves.csv",
+    "view": "view puma560.urdf",
+    "mesh": "inertia meshes/bracket.stl --unit mm --density 2700",
+    "links": "inertia meshed_arm.urdf --at elbow=0.5",
+    "compare": "inertia meshed_arm.urdf --compare",
+    "check": "check puma560.urdf",
+    "simulate": "simulate two_link_planar.urdf --scene two_link_planar_swing_down.toml --duration 0.2",
+    "linearize": "linearize two_link_planar.urdf --equilibrium",
+    "excite": "excite pendulum.urdf",
+    "identify": "identify tx40.urdf log.parquet --cutoff 40",
+    "accuracy": "accuracy meshes/bracket.stl --target 1e-6",
+    "diff": "diff puma560.urdf puma.urdf",
 }
-"""Pages by name: the command, in which names of files are those of `robots/`."""
-PAGES = [pytest.param(name, marks=[pytest.mark.slow] * (name != "fixed")) for name in CALLS]
-STAGES = """() => robodyn.stages[0].poses()[0]"""
+"""Pages by name: the command, in which names of files are those of `robots/` and of the log of a TX40."""
+PAGES = [pytest.param(name, marks=[pytest.mark.slow] * (name != "check")) for name in CALLS]
 CLOCK = '[data-part="clock"]'
 
 
@@ -64,8 +77,10 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
     def page(name: str) -> Path:
         file = folder / f"{name}.html"
         if not file.exists():
-            words = [str(ROBOTS / word) if "." in word else word for word in CALLS[name]]
-            outcome = run(*words, "--report", str(file), "--out", str(folder / f"{name}.csv"))
+            places = {each.name: each for room in (ROBOTS, ROBOTS / "meshes", LOG) for each in room.iterdir()}
+            words = [str(places.get(word.rpartition("/")[2], word)) for word in CALLS[name].split()]
+            out = ("--out", str(file.with_suffix(".csv"))) if name in MOTIONS else ()
+            outcome = run(*words, "--report", str(file), *out)
             assert outcome.status in (0, 1), outcome.err
         return file
 
@@ -105,10 +120,10 @@ def table(file: Path) -> dict[str, list[float]]:
 
 
 def analysed(name: str) -> tuple[Any, Any]:
-    urdf, motion, toml = (ROBOTS / f"{stem}{end}" for stem, end in zip(MOTIONS[name], (".urdf", ".csv", ".toml")))
-    scene = robodyn.load_scene(toml) if MOTIONS[name][2] else robodyn.Scene()
-    model = robodyn.load(urdf, moving_base=scene.moving_base)
-    return model, robodyn.torques(model, motion, scene, history=True)
+    robot, motion, scene = MOTIONS[name]
+    acting = robodyn.load_scene(ROBOTS / f"{scene}.toml") if scene else robodyn.Scene()
+    model = robodyn.load(ROBOTS / f"{robot}.urdf", moving_base=acting.moving_base)
+    return model, robodyn.torques(model, ROBOTS / f"{motion}.csv", acting, history=True)
 
 
 def chart(page: Any, caption: str) -> Any:
@@ -122,22 +137,38 @@ def chart(page: Any, caption: str) -> Any:
     return found
 
 
+COLOURS = """(canvas) => {
+    const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d");
+    copy.drawImage(canvas, 0, 0);
+    return new Set(new Uint32Array(copy.getImageData(0, 0, canvas.width, canvas.height).data.buffer)).size;
+}"""
+
+
+def papers(page: Any) -> int:
+    """How many pages it has on paper."""
+    return len(re.findall(rb"/Type /Page\b", page.pdf(format="A4")))
+
+
 @pytest.mark.parametrize("name", PAGES)
-def test_nothing_leaves_and_all_is_drawn(written, opened, name: str) -> None:
-    """On a wide screen and a phone, in light and dark: the canvas is not blank, and nothing is wider than the screen."""
+def test_every_page_on_screens_and_paper(written, opened, name: str) -> None:
+    """Wide and light, narrow and dark: no canvas is blank, nothing is wider than the screen, an audit of accessibility
+    finds nothing serious. On paper a summary of at most two pages, then the tables."""
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright").Axe()
     for width, scheme in ((1300, "light"), (400, "dark")):
         page = opened(written(name), width, color_scheme=scheme)
-        page.evaluate("robodyn.all()")
+        page.evaluate("window.robodyn && (robodyn.all(), robodyn.stages.forEach((each) => each.pick(0, 0)))")
         page.wait_for_timeout(200)
         assert page.evaluate("document.documentElement.scrollWidth") <= width
         for canvas in page.locator("canvas").all():
-            colours = canvas.evaluate(
-                """(canvas) => { const copy = new OffscreenCanvas(canvas.width, canvas.height), to = copy.getContext("2d");
-                to.drawImage(canvas, 0, 0);
-                const all = new Uint32Array(to.getImageData(0, 0, canvas.width, canvas.height).data.buffer);
-                return new Set(all).size; }"""
-            )
-            assert colours > 8
+            assert canvas.evaluate(COLOURS) > 8
+        found = [each for each in axe.run(page).response["violations"] if each["impact"] in ("serious", "critical")]
+        assert [(each["id"], [node["html"] for node in each["nodes"]][:3]) for each in found] == []
+    pages = papers(page)
+    assert pages > 1 or name in ("view", "check", "compare")
+    page.evaluate(
+        "(at => { for (; at; at = at.nextElementSibling) at.hidden = true; })(document.querySelector('h2.tables'))"
+    )
+    assert papers(page) <= 2 or not page.locator("h2.tables").count()
 
 
 @pytest.mark.slow
@@ -167,7 +198,7 @@ def test_links_are_where_kinematics_say(written, opened, name: str) -> None:
 def test_arrows_are_as_long_as_the_numbers(written, opened, name: str) -> None:
     """Every joint's peak at its time, and the forces of the base then."""
     model, result = analysed(name)
-    numbers, frames = result.history.motion.frames()
+    _, frames = result.history.motion.frames()
     columns = {key: frames[:, k] for k, key in enumerate(result.history.motion.names)}
     page, child = opened(written(name)), {body.joint.name: body.name for body in model.bodies}
     scales = page.evaluate("robodyn.stages[0].scales()")
@@ -237,8 +268,11 @@ def test_a_peak_of_one_row_in_a_hundred_thousand_stays(opened, tmp_path: Path) -
     peak = max(joint.peak for joint in result.joints if joint.name == "elbow")
     page = opened(tmp_path / "arm.html")
     elbow = chart(page, "elbow: torque")
-    most = """(figure) => { const { u } = robodyn.charts.get(figure), { min, max } = u.scales.x;
-        return [Math.max(...u.data[1].filter((_, k) => u.data[0][k] >= min && u.data[0][k] <= max)), u.scales.y.max, max - min]; }"""
+    most = """(figure) => {
+        const { u } = robodyn.charts.get(figure), { min, max } = u.scales.x;
+        const seen = u.data[1].filter((_, k) => u.data[0][k] >= min && u.data[0][k] <= max);
+        return [Math.max(...seen), u.scales.y.max, max - min];
+    }"""
     whole = elbow.evaluate(most)
     assert whole[0] == pytest.approx(peak, rel=1e-6)
     left, top, wide = elbow.evaluate(
@@ -303,25 +337,3 @@ def test_the_keyboard_reaches_and_moves_everything(written, opened) -> None:
     box = canvas.bounding_box()
     canvas.click(position={"x": box["width"] / 2, "y": 0.6 * box["height"]})
     assert page.locator(".panel h3").inner_text() in [body.name for body in analysed("fixed")[0].bodies]
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-@pytest.mark.parametrize("name", CALLS)
-def test_an_audit_of_accessibility_finds_nothing_serious(written, opened, name: str, scheme: str) -> None:
-    axe = pytest.importorskip("axe_playwright_python.sync_playwright")
-    page = opened(written(name), color_scheme=scheme)
-    page.evaluate("(robodyn.all(), robodyn.stages[0].pick(0, 1))")
-    found = axe.Axe().run(page).response["violations"]
-    serious = [each for each in found if each["impact"] in ("serious", "critical")]
-    assert [(each["id"], [node["html"] for node in each["nodes"]][:3]) for each in serious] == []
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", CALLS)
-def test_paper_has_a_summary_of_two_pages_and_all_tables(written, opened, name: str) -> None:
-    page = opened(written(name), color_scheme="dark")
-    pages = len(re.findall(rb"/Type /Page\b(?!s)", page.pdf(format="A4", print_background=False)))
-    page.evaluate("""() => { for (let at = document.querySelector("h2.tables"); at; at = at.nextElementSibling) at.hidden = true;
-        document.querySelector("footer").hidden = true; }""")
-    assert len(re.findall(rb"/Type /Page\b(?!s)", page.pdf(format="A4"))) <= 2 < pages

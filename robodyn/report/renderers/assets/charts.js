@@ -282,10 +282,10 @@ requestAnimationFrame(() => setTimeout(() => {
     shared.stages.forEach((stage) => stage.render());
   };
   // On paper: so many charts beside each other that they fit on one page, in the colours of paper.
-  const root = document.documentElement, galleries = [...document.querySelectorAll(".gallery")];
+  const root = document.documentElement, homes = [...document.querySelectorAll(".gallery figure")].map((each) => [each, each.parentElement]);
   window.addEventListener("beforeprint", () => {
-    const rows = (across) => galleries.reduce((sum, each) => sum + Math.ceil(each.children.length / across), 0);
-    const across = [3, 4, 5, 6, 7].find((n) => rows(n) * (400 / n + 36) + 24 * galleries.length <= 1100) ?? 8;
+    homes.forEach(([each, home]) => { home.hidden = home !== homes[0][1]; homes[0][1].append(each); });
+    const across = [3, 4, 5, 6, 7].find((n) => Math.ceil(homes.length / n) * (412 / n + 42) <= 940) ?? 8;
     root.style.setProperty("--across", across);
     root.classList.add("paper");
     all({ width: 1300 / across, height: 780 / across });
@@ -296,7 +296,12 @@ requestAnimationFrame(() => setTimeout(() => {
       canvas.after(still);
     }
   });
-  window.addEventListener("afterprint", () => { root.classList.remove("paper"); document.querySelectorAll(".still").forEach((each) => each.remove()); all(); });
+  window.addEventListener("afterprint", () => {
+    root.classList.remove("paper");
+    homes.forEach(([each, home]) => { home.hidden = false; home.append(each); });
+    document.querySelectorAll(".still").forEach((each) => each.remove());
+    all();
+  });
   new ResizeObserver(() => made.forEach((chart) => chart.resize())).observe(document.querySelector("main"));
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => all());
   for (const figure of document.querySelectorAll("figure.stage")) {
