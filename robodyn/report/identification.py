@@ -24,7 +24,6 @@ from robodyn.support.wording import count, figure, listed
 
 _PICTURED = 12
 """Joints that have plots."""
-_BASE = "base parameter"
 _GROUPS = "Base parameters of bodies", "Friction and rotors", "Not determined: 0 is within the interval of 95 %"
 
 
@@ -47,7 +46,7 @@ def identified_sections(found: Identified) -> Iterator[doc.Section]:
     note = f"{units} Offset: half of what friction differs by direction, or the sensor's."
     yield [doc.Table("", of_motor, rows, note)]
     note = "Values by least squares without bounds; errors count that residuals of neighbouring rows are alike."
-    yield [doc.Table("", (_BASE, "value", "standard error", "calibrated"), [*_base_rows(found.base)], note)]
+    yield [doc.Table("", ("base parameter", "value", "standard error", "calibrated"), [*_base_rows(found.base)], note)]
     if found.unseen:
         yield doc.paragraphs([f"no torque of the log shows anything of {listed(found.unseen)}: as described"])
     yield doc.remarks("note", found.warnings)
@@ -77,15 +76,12 @@ def identified_page(found: Identified, pictures: bool = True) -> doc.Document:
     rows = [(name, error_bars(each), "") for name, each in zip(new.joints, parts, strict=True)]
     which = f"||computed - measured|| of ||measured||, {'held out' if found.held_out else 'fitted'}"
     first: list[doc.Block] = [doc.Verdict(level, verdict(found), reasons), doc.Bars(which, rows, CLIPPED)]
-    first += [*(_along_logs(found) if pictures else ()), *doc.titled("Parameters", _parameters(found))]
+    if pictures:
+        first += [*_along_logs(found), *doc.titled("Parameters", _parameters(found))]
     _, *sections = identified_sections(found)
     files, how = [("identify.json", identified_json(found))], "robodyn identify --format json writes it"
     title = "Parameters that explain logs"
-    return doc.page(found.model.name, title, first, filter(_is_not_shown, sections), "Fit", files, how)
-
-
-def _is_not_shown(section: doc.Section) -> bool:
-    return not any(isinstance(block, doc.Table) and block.head[0] == _BASE for block in section)
+    return doc.page(found.model.name, title, first, sections, "Fit", files, how)
 
 
 def _along_logs(found: Identified) -> Iterator[doc.Block]:
@@ -143,7 +139,7 @@ def _parameters(found: Identified) -> Iterator[doc.Block]:
         ends = min(low, before, 0.0), max(high, before, 0.0)
         least, mid, most = (100.0 * (x - ends[0]) / ((ends[1] - ends[0]) or 1.0) for x in (low, before, high))
         told, of_body = not low <= 0.0 <= high, fit.base.names[k].rpartition(".")[2] in INERTIAL
-        words = f"{cells[0]} +- {cells[1]}, calibrated {cells[2]}, description {figure(before, 4)}"
+        words = f"{cells[0]} +- {cells[1]}, description {figure(before, 4)}"
         stroke = ("", max(mid - 0.4, 0.0), min(mid + 0.4, 100.0), "ink")
         bars = [(words, least, most, "c2" if told else "doubtful"), stroke]
         groups[_GROUPS[2 if not told else 0 if of_body else 1]].append((name, bars, ""))
@@ -255,7 +251,7 @@ def excitation_sections(found: Excitation) -> Iterator[doc.Section]:
         relative = 100.0 * error / abs(value) if value else inf
         share = f"{figure(relative, 2)}%" if relative < 1e3 else "-"
         parameters.append((group, figure(value, 4), figure(error, 2), share))
-    title = (_BASE, "value", "standard error", "relative")
+    title = ("base parameter", "value", "standard error", "relative")
     note = "Values are the description's; errors are those of least squares over all rows of one period, with noise"
     yield [doc.Table("", title, parameters, f"{note} independent from row to row.")]
     yield doc.paragraphs(_hidden(base) or ["every parameter shows in some torque"])
@@ -267,11 +263,12 @@ def excitation_page(found: Excitation, pictures: bool = True) -> doc.Document:
     summary, *sections = excitation_sections(found)
     reasons = tuple(block.text for block in summary[1:] if isinstance(block, doc.Paragraph))
     blocks: list[doc.Block] = [replace(excitation_verdict(found), reasons=reasons)]
-    blocks += [*(_along_motion(found) if pictures else ()), *doc.titled("Parameters", [_error_bars(found)])]
+    if pictures:
+        blocks += [*_along_motion(found), *doc.titled("Parameters", [_error_bars(found)])]
     motion = doc.csv_text(("time", *found.names), [[t, *row] for t, row in zip(found.time, found.columns, strict=True)])
     files = [("excite.json", excitation_json(found)), ("motion.csv", motion)]
     how, what = "robodyn excite --format json and --out write it to a file", "A motion that shows parameters"
-    return doc.page(found.model.name, what, blocks, filter(_is_not_shown, sections), "Motion", files, how)
+    return doc.page(found.model.name, what, blocks, sections, "Motion", files, how)
 
 
 def _along_motion(found: Excitation) -> Iterator[doc.Block]:

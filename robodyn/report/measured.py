@@ -80,7 +80,7 @@ def measured_sections(found: Comparison) -> Iterator[doc.Section]:
     what = f"{count(len(found.joints), 'joint')} with measured torques, {count(found.samples, 'sample')}"
     over = f"compared below {found.cutoff:g} Hz over {found.compared:.4g} s"
     yield doc.paragraphs(
-        [f"{found.robot}: {what}, {found.duration:.6g} s, {over}", f"{verdict.headline}.", *verdict.reasons]
+        [f"{found.model.name}: {what}, {found.duration:.6g} s, {over}", f"{verdict.headline}.", *verdict.reasons]
     )
     told = [fault for fault in found.faults if fault.shares.max() >= 0.02]  # others have no line
     lines = [*_gross(found), *(fault_words(found, fault) for fault in told)]
@@ -138,11 +138,14 @@ def measured_page(found: Comparison, pictures: bool = True) -> doc.Document:
             dots = {"friction that is told": (speed, told)} if told.any() else {}
             charts += log_charts(course, joint.name, joint.unit, labels, said, dots)
     bars = doc.Bars("RMS of measured less computed torque, of that of the measured one", rows, CLIPPED)
-    first = [replace(verdict_on(found), reasons=reasons), bars, *doc.titled("Along the log", doc.gallery(charts))]
+    first: list[doc.Block] = [replace(verdict_on(found), reasons=reasons), bars]
+    if pictures:
+        first += played("The robot along the log, with measured torques", found.model, course.frames, "measured")
+    first += [*doc.titled("Along the log", doc.gallery(charts))]
     what = f"Measured against computed torques of {printable(found.file)}"
     files = [("measured.json", measured_json(found))]
     how = "robodyn torques --measured --format json prints it"
-    return doc.page(found.robot, what, first, numbers, "Joint", files, how)
+    return doc.page(found.model.name, what, first, numbers, "Joint", files, how)
 
 
 def played(
@@ -269,8 +272,8 @@ def measured_json(found: Comparison) -> str:
     return doc.written(
         doc.select(
             found,
-            "robot file samples duration cutoff compared relative_error relative_error_left:left joints exchanged "
-            "reversed diagnosis warnings:notes",
+            "robot:model.name file samples duration cutoff compared relative_error relative_error_left:left joints "
+            "exchanged reversed diagnosis warnings:notes",
             joints=joints,
             exchanged=[[names[j] for j in group] for group in found.channels.exchanged],
             reversed=[names[j] for j in found.channels.reversed],

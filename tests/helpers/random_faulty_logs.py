@@ -196,7 +196,7 @@ class Draw:
     def judged(self, path) -> Judged:
         """Return what is told of the log, written to a path."""
         self.write(path)
-        evidence, _, joints, _ = evidence_of(read_log(str(path), self.model))
+        evidence, _, joints, *_ = evidence_of(read_log(str(path), self.model))
         found = explain(evidence)
         n, errors = len(joints), np.sqrt(np.diag(found.covariance))
         places = {(kind, j): [len(OWN) * k + OWN.index(kind)] for k, j in enumerate(joints) for kind in OWN}

@@ -215,7 +215,7 @@ def test_a_joint_at_rest_has_no_friction(tmp_path):
     tau = q + 0.01 * rng.normal(size=q.shape)
     write_log(tmp_path / "log.csv", model, time, q, tau)
     log = read_log(str(tmp_path / "log.csv"), model)
-    evidence, at, _, _ = evidence_of(log)
+    evidence, at, *_ = evidence_of(log)
     assert log.noisy
     assert not evidence.own[at > 13.0, :, 1].any()
     assert (np.abs(evidence.own[at < 9.0, :, 1]) > 0.5).mean() > 0.5

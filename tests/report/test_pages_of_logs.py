@@ -141,6 +141,11 @@ def test_effects_that_are_told_explain_what_is_measured(logged: tuple[robodyn.Mo
         assert np.sqrt(np.mean(left**2)) == pytest.approx(joint.left)
         dots, told = looks[f"{joint.name}: friction over speed"]["series"]
         np.testing.assert_allclose(dots["y"] - told["y"], left, atol=1e-9)
+    (stage,) = (block for block in page.blocks if isinstance(block, doc.Stage))
+    (motion,) = stage.look["robots"][0]["motions"]
+    rows = np.rint((motion["time"] + 0.0) / 0.005).astype(int)
+    q = np.loadtxt(path, delimiter=",", skiprows=1)[:, 1 : 1 + model.n]
+    np.testing.assert_allclose(np.stack(motion["q"], axis=1), q[rows], atol=0.01)  # through the filter
     assert not charts(measured_page(found, pictures=False))
 
 

@@ -164,9 +164,9 @@ class Comparison:
     """Measured against computed torques. samples: rows of the log; compared: seconds that are; cutoff: of the filter
     [Hz]. relative_error, left: ||residual|| / ||measured|| over all joints, before and after all that is told.
     load_link: where a payload is looked for; gross: (n,) of each joint's residual, what `channels` explain; curves: as
-    `curves_of` has them, where `explained` has all told faults."""
+    `curves_of` has them and every q_COORDINATE; `explained` has all told faults."""
 
-    robot: str
+    model: Model
     file: str
     samples: int
     duration: float
@@ -198,7 +198,7 @@ def compare(
     """
     log = read_log(path, model, scene, cutoff=cutoff, **reading)
     refuse_units(log.caveats, path)
-    raw, time, places, notes = evidence_of(log)
+    raw, time, places, notes, q = evidence_of(log)
     right = channels(raw)
     routed = rerouted(raw, right)
     joints = {joint.rate: joint for joint in model.independent}
@@ -214,12 +214,12 @@ def compare(
             friction_told[:, j] += gains.get(j, 1.0) * values[0] * routed.own[:, j, OWN.index(kind) - VISCOUS]
     inside, names = raw.inside, [model.rates[place] for place in places]
     total, before = np.linalg.norm(raw.measured[inside]), rms(raw.difference)
-    curves = curves_of(names)
+    curves = curves_of(names, [f"q_{name}" for name in model.coordinates])
     explained = routed.measured[inside] - found.residual
     torques = routed.measured[inside], raw.computed[inside], explained, friction_told[inside]
-    add(curves, time[inside] - log.start, (raw.own[inside, :, 0], *torques))
+    add(curves, time[inside] - log.start, (raw.own[inside, :, 0], *torques), q[inside].T)
     return Comparison(
-        robot=model.name,
+        model=model,
         file=path,
         samples=log.samples,
         duration=log.stop - log.start,
@@ -268,9 +268,13 @@ def load_body(model: Model) -> str:
     return model.bodies[max(range(len(depth)), key=lambda i: (depth[i], i))].name
 
 
-def evidence_of(log: Log) -> tuple[Evidence, Floats, tuple[int, ...], list[str]]:
+def evidence_of(log: Log) -> tuple[Evidence, Floats, tuple[int, ...], list[str], Floats]:
     """Return the evidence of the longest stretch of a log without gaps, its times (k,), the joints whose torque varies
-    in it as places in `model.rates`, and notes; raise TrajectoryError if none does, or too few samples are left."""
+    in it as places in `model.rates`, notes, and positions (k, n).
+
+    Raises:
+        TrajectoryError: no torque varies, or too few samples are left.
+    """
     parts = [*filtered(log, log.cutoff, lambda samples: _columns(log, samples))]
     time = np.concatenate([np.empty(0), *(part.time for part in parts)])
     steps = np.diff(time)
@@ -291,13 +295,13 @@ def evidence_of(log: Log) -> tuple[Evidence, Floats, tuple[int, ...], list[str]]
             notes.append(f"{names[k]}: its measured torque is constant, {tau[:, k].mean():.4g}, and left out")
     if not places:
         raise TrajectoryError("no measured torque varies: nothing can be told", remedy=REMEDY, file=log.path)
-    values, step = values[:, places], float(np.median(np.diff(time)))
-    found = Evidence(step, tau[:, places], values[..., 0], values[..., 1:4], values[..., 4:])
-    return found, time, tuple(places), notes
+    q, values, step = values[..., -1], values[:, places], float(np.median(np.diff(time)))
+    found = Evidence(step, tau[:, places], values[..., 0], values[..., 1:4], values[..., 4:-1])
+    return found, time, tuple(places), notes, q
 
 
 def _columns(log: Log, samples: Samples) -> Floats:
-    """Return (k, n, 4 + 10) computed torque, columns of friction and rotor, and those of a payload."""
+    """Return (k, n, 4 + 10 + 1) computed torque, columns of friction and rotor, those of a payload, and positions."""
     model = log.model
     qd = np.where(np.abs(samples.qd) > _STILL, samples.qd, 0.0)  # the sign of rounding is none
     Y, theta, names, rest = regressor(model, samples.q, qd, samples.qdd, scene=log.scene)
@@ -312,4 +316,5 @@ def _columns(log: Log, samples: Samples) -> Floats:
             found[:, i, 1:4] = np.stack((viscous, forward - backward, rotor), axis=1)
     body = load_body(model)
     found[..., 4:] = Y[:, :, [place[f"{body}.{each}"] for each in INERTIAL]]
-    return np.where(np.isfinite(samples.tau)[..., None], found, 0.0)
+    found = np.where(np.isfinite(samples.tau)[..., None], found, 0.0)
+    return np.concatenate((found, samples.q[..., None]), axis=2)
