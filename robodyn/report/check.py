@@ -229,7 +229,7 @@ def _drawn(checked: Checked, file: str, model: Model) -> Iterator[doc.Block]:
     words = {name: "; ".join(lines) for name, lines in said.items()}
     at = stage.pose(model, configuration(model, nearest_to_zero(model)).tolist())
     shown = stage.robot(model, [at], lit=lit, words=words)
-    named = {"bad": "errors in red", "doubtful": "warnings in amber"}
+    named = {"bad": "errors in red", "doubtful": "warnings in yellow-brown"}
     marked = [f"links with {each}" for level, each in named.items() if level in lit.values()]
     alt = "; ".join(f"{name}: {words[name]}" for name in lit)
     shapes = [stage.shapes_of_bodies(model)[0]]
