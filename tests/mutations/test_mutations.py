@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 from helpers.mutated import change, mutated
 from helpers.mutation_list import MUTATIONS
-from helpers.preloaded import Preloaded, preloaded
+from helpers.preloaded import Run, preloaded
 
 ROOT = Path(__file__).parents[2]
 CASES = [(test, *mutation) for test, mutations in MUTATIONS.items() for mutation in mutations]
@@ -33,21 +33,21 @@ def _copied(folder: Path) -> Path:
     return folder
 
 
-def _tests(runs: Preloaded, folder: Path, names: Iterable[str]) -> tuple[int, str]:
+def _tests(run: Run, folder: Path, names: Iterable[str]) -> tuple[int, str]:
     """What pytest ends with, and writes, for these tests against the package in a folder, up to the first failure."""
     options = ["-x", "-q", "-n", "0", "-p", "no:cacheprovider", "--no-header", "--tb=no", "--hypothesis-seed=0"]
-    status, output = runs.run(folder, [*options, *(str(ROOT / "tests" / name) for name in names)])
+    status, output = run(folder, [*options, *(str(ROOT / "tests" / name) for name in names)])
     assert output.startswith(str(folder)), output
     return status, output
 
 
 def _survivors(whole: Path, folder: Path, cases: Iterable[Case]) -> list[Case]:
     """Those of the changes with which, on a copy of the package, their test passes."""
-    with preloaded(**ENVIRONMENT) as runs:
-        return [case for k, case in enumerate(cases) if _survives(runs, whole, folder / str(k), case)]
+    with preloaded(**ENVIRONMENT) as run:
+        return [case for k, case in enumerate(cases) if _survives(run, whole, folder / str(k), case)]
 
 
-def _survives(runs: Preloaded, whole: Path, folder: Path, case: Case) -> bool:
+def _survives(run: Run, whole: Path, folder: Path, case: Case) -> bool:
     test, file, old, new = case
     shutil.copytree(whole, folder, copy_function=os.link)
     path = folder / "robodyn" / file
@@ -55,7 +55,7 @@ def _survives(runs: Preloaded, whole: Path, folder: Path, case: Case) -> bool:
     for kept in path, Path(cache_from_source(path)):
         kept.unlink()
     path.write_text(mutated(source, old, new))
-    status, output = _tests(runs, folder, [test])
+    status, output = _tests(run, folder, [test])
     shutil.rmtree(folder)
     assert status in (0, *FAILED), output
     return status == 0
@@ -73,8 +73,8 @@ def test_pieces_are_there() -> None:
 
 @pytest.mark.slow
 def test_the_product_itself_survives(tmp_path: Path) -> None:
-    with preloaded(**ENVIRONMENT) as runs:
-        status, output = _tests(runs, _copied(tmp_path), MUTATIONS)
+    with preloaded(**ENVIRONMENT) as run:
+        status, output = _tests(run, _copied(tmp_path), MUTATIONS)
     assert status == 0, output
 
 
