@@ -11,7 +11,7 @@ from pathlib import Path
 
 import click
 import pytest
-from helpers.command_line import ROBOTS, Outcome, refused, run, shown, spawn, write_arm
+from helpers.command_line import ROBOTS, Outcome, refused, run, shown, write_arm
 
 from robodyn.checks.catalogue import CODES
 from robodyn.cli.main import COMMANDS
@@ -246,10 +246,6 @@ def test_call(call: str) -> None:
     assert sorted(Path().iterdir()) == before
 
 
-def test_the_same_in_a_process_of_its_own(tmp_path: Path) -> None:
-    refused(spawn("torques", "arm.urdf", "no.csv", cwd=tmp_path), "no.csv: cannot be read: no such file")
-
-
 def test_a_fault_of_the_program_is_one_line_too(monkeypatch: pytest.MonkeyPatch) -> None:
     def broken(*_: object, **__: object) -> None:
         raise RuntimeError("two\nlines \x1b[31m")
@@ -297,28 +293,6 @@ def test_every_option_says_what_it_is_for() -> None:
 
 def test_version() -> None:
     assert run("--version") == Outcome(0, f"robodyn {version('robodyn')}\n", "")
-
-
-WRONG_SCENES: dict[str, str] = {
-    "[motor]\nelbw = { gear = 9, inertia = 1 }": "[motor]: the robot has no joint 'elbw' that moves (did you mean",
-    "[motor]\nupper = { gear = 9 }": "[motor]: the robot has no joint 'upper' that moves (joints: 'shoulder', 'elbow')",
-    "[rotor]\nelbw = { inertia = 1 }": "[rotor]: the robot has no joint 'elbw' that moves (did you mean 'elbow'?)",
-    "frcition = {}": 'the scene: unknown key "frcition" (valid keys: ',
-    "gravity = 9.81": 'the scene: "gravity" is 9.81, not 3 numbers (write gravity = [x, y, z])',
-    'base = "moving"': "[base] is 'moving', not a table (write [base] above lines of key = value)",
-    "[friction]\nelbow = 1": "[friction] elbow is 1, not a table (write elbow = { key = value })",
-    "payload = [1]": "[[payload]] number 1 is 1, not a table (write [[payload]] above lines of key = value)",
-    "joint_limits = true": 'the scene: "joint_limits" is True, not a name (one of: stop, ignore, spring)',
-}
-
-
-@pytest.mark.parametrize("text", WRONG_SCENES)
-def test_a_wrong_scene(text: str) -> None:
-    Path("scene.toml").write_text(text)
-    outcome = run(*ARM, "--scene", "scene.toml")
-    assert (outcome.status, outcome.out) == (2, "")
-    assert re.match(r"error: scene\.toml:(\d+:)? ", outcome.err)
-    assert WRONG_SCENES[text] in outcome.err
 
 
 @pytest.mark.parametrize("table", TABLES)

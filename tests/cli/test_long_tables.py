@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import os
-import subprocess
 import sys
 from pathlib import Path
 
 import polars as pl
 import pytest
+from benchmarks.timing import of_process
 from helpers.command_line import ARM, HEADER
 
 SHORT, LONG = 20_000, 320_000
 BLOCK_ROWS = 8192
-MEGABYTE = 1 << 20
 
 
 def write_motion(path: Path, rows: int) -> None:
@@ -23,20 +22,17 @@ def write_motion(path: Path, rows: int) -> None:
     pl.DataFrame({**columns, "time": t}).write_csv(path)
 
 
-def peak_resident(folder: Path, rows: int) -> int:
-    """Bytes of resident memory at the most of `robodyn torques arm.urdf arm.csv --out tau.csv`, in small blocks."""
+def peak_resident(folder: Path, rows: int) -> float:
+    """Resident memory at the most [MB] of `robodyn torques arm.urdf arm.csv --out tau.csv`, in small blocks."""
     write_motion(folder / "arm.csv", rows)
     code = (
         "from robodyn.trajectory.read import open_trajectory; "
         f"open_trajectory.__kwdefaults__['block_rows'] = {BLOCK_ROWS}; from robodyn.cli.main import main; main()"
     )
-    call = [sys.executable, "-c", code, "torques", "arm.urdf", "arm.csv", "--out", "tau.csv"]
-    with subprocess.Popen(call, cwd=folder, stdout=subprocess.DEVNULL) as child:
-        _, status, usage = os.wait4(child.pid, 0)
-        child.returncode = os.waitstatus_to_exitcode(status)
-    assert child.returncode == 0
+    files = [str(folder / name) for name in ("arm.urdf", "arm.csv", "tau.csv")]
+    _, memory = of_process([sys.executable, "-c", code, "torques", *files[:2], "--out", files[2]])
     assert sum(1 for _ in (folder / "tau.csv").open()) == rows + 1
-    return usage.ru_maxrss * (1 if sys.platform == "darwin" else 1024)
+    return memory
 
 
 @pytest.mark.slow
@@ -45,4 +41,4 @@ def test_many_times_the_rows_in_the_same_memory(tmp_path: Path) -> None:
     """300 000 rows of 7 columns more are 17 MB as numbers and 40 MB as text."""
     (tmp_path / "arm.urdf").write_text(ARM)
     short, long = (peak_resident(tmp_path, rows) for rows in (SHORT, LONG))
-    assert long - short <= 20 * MEGABYTE
+    assert long - short <= 20.0

@@ -7,9 +7,11 @@ import re
 from pathlib import Path
 
 import pytest
+from helpers.batch_runs import in_turn
 from helpers.command_line import ROBOTS, run
 from helpers.oracles import robot
 
+from robodyn.cli import torques_batch
 from robodyn.dynamics.inverse import bias_forces, inverse_dynamics, mass_matrix
 from robodyn.errors import SceneError
 from robodyn.loads.torques import torques
@@ -118,7 +120,8 @@ def _here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         Path(f"{name}.toml").write_text(f"# {name}\n{text}\n")
 
 
-def test_scenes_of_parts_are_the_scene_of_the_whole() -> None:
+def test_scenes_of_parts_are_the_scene_of_the_whole(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(torques_batch, "worked_here", in_turn)
     whole = """gravity = [0, 0, -9.7]
 [friction]
 waist = { coulomb = 5, viscous = 2 }
