@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robodyn.checks.bodies.bodies import link_boxes, real_shapes, size_of, solids
+from robodyn.checks.bodies.bodies import gap, link_boxes, real_shapes, size_of, solids
 from robodyn.checks.bodies.collision_fit import misfits
 from robodyn.checks.bodies.masses import STILL, behind, pose, relative
 from robodyn.checks.context import Context, Group
@@ -143,7 +143,7 @@ class Sides:
                 first, second = self.boxes[name], self.boxes[other]
                 there = relative(self.poses[other], inner)
                 # the larger of the distances along the axes of either: the shapes in the boxes are no nearer
-                far = max(_apart(first.placed(*there), second), _apart(first, second.placed(*relative(there, STILL))))
+                far = max(gap(first.placed(*there), second), gap(first, second.placed(*relative(there, STILL))))
                 if best is None or far < best.gap:
                     best = Contact(far, max(size_of(first), size_of(second)), other)
                 if not far:
@@ -165,10 +165,6 @@ class Sides:
                 above = [link.name for link in group.links if link.name in self.shaped and link.name not in inside]
                 group = group.parent
         return [name for name in branch if name in self.shaped], [name for name in above if name in self.shaped]
-
-
-def _apart(first: Box, second: Box) -> float:
-    return length(np.maximum(np.maximum(first.lo - second.hi, second.lo - first.hi), 0.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -240,8 +236,8 @@ def overlaps(context: Context) -> list[Overlap]:
     shapes = [
         (link, shape, known[shape].placed(poses[link.name]))
         for link in context.view.links
-        for shape in real_shapes(link)
-        if shape.kind == "collision" and shape in known and link.name in poses and shape not in misplaced
+        for shape in real_shapes(link, "collision")
+        if shape in known and link.name in poses and shape not in misplaced
     ]
     pairs = [] if srdf is None else srdf.root.findall("disable_collisions")
     disabled = {frozenset((pair.get("link1"), pair.get("link2"))) for pair in pairs}
