@@ -214,7 +214,8 @@ class Task:
 
 def check_tasks(tasks: Sequence[Task], done: Callable[[], None] = lambda: None) -> Checked:
     """Return the findings in all files; many are shared out among processes, one for each core. `done` is called after
-    each. One that cannot be read stops no other; one that describes no robot is skipped, with a warning."""
+    each. One that cannot be read stops no other; one that describes no robot is skipped, with a warning, and so is a
+    URDF that is what one of the xacro files expands to."""
     shared_out = worth_processes([task.source for task in tasks])
     each = each_in_a_process(_outcome, [(task,) for task in tasks]) if shared_out else map(_outcome, tasks)
     found, unread = list[tuple[str, Found]](), list[Unread]()
@@ -227,20 +228,15 @@ def check_tasks(tasks: Sequence[Task], done: Callable[[], None] = lambda: None) 
             found.append((task.name, outcome))
         done()
     several = any(is_xacro(name) for name, _ in found)
-    found = _judged_once(found) if several else found
+    expanded = {each.content for name, each in found if is_xacro(name)}
+    same = [name for name, each in found if each.content in expanded and not is_xacro(name)]
+    if same:
+        what = count(len(same), "URDF is what a xacro file expands to", "URDFs are what xacro files expand to")
+        warn(f"{what}, and judged there: {listed_paths(same)}", RobodynWarning, stacklevel=2)
+    found = [(name, each) for name, each in found if name not in same]
     shown, hidden = ([one for _, each in found for one in getattr(each, kind)] for kind in ("shown", "hidden"))
     together = across_robots if several else across_files
     return Checked(tuple(name for name, _ in found), tuple(together(shown)), tuple(unread), tuple(together(hidden)))
-
-
-def _judged_once(found: list[tuple[str, Found]]) -> list[tuple[str, Found]]:
-    """Return what was found without that in URDFs which are what xacro files of these expand to."""
-    xacros = {each.content for name, each in found if is_xacro(name)}
-    same = [name for name, each in found if each.content in xacros and not is_xacro(name)]
-    if same:
-        what = count(len(same), "URDF is what a xacro file expands to", "URDFs are what xacro files expand to")
-        warn(f"{what}, and judged there: {listed_paths(same)}", RobodynWarning, stacklevel=3)
-    return [(name, each) for name, each in found if name not in same]
 
 
 def _outcome(task: Task) -> Found | InputError:

@@ -31,6 +31,7 @@ from robodyn.support.wording import count, shown_path
 _NOT_FINITE = "coordinates must be finite"
 _LARGEST = 400_000  # triangles up to which the shells of a closed surface are told from each other
 _LARGEST_OPEN = 50_000  # triangles up to which the gaps of an open surface are looked at: a quarter of a second
+_BLOCK = 2700  # triangles whose corners are looked at together
 _SHARD = 1 << 20  # bytes kept in each of 256 folders: a few thousand meshes, listed in no time
 _LONGEST, _SHORTEST = 20.0, 1e-3
 """Metres beyond which no part of a robot is; and, for such ones, of its sizes over the reach of the robot's joints."""
@@ -175,9 +176,6 @@ def spread_out(count: int) -> Floats:
     return np.stack((across * np.cos(turn), across * np.sin(turn), z), axis=1)
 
 
-_DIRECTIONS, _PART = spread_out(240), 8192  # and the points that are looked at together
-
-
 def extremes(path: Path, digest: str) -> Floats | None:
     """Return (k, 3) the points of a mesh that lie farthest in 240 directions, in metres before any scale of the URDF;
     None where it cannot be read. They are kept by the digest of the file's content, unless it is empty. Accuracy: their
@@ -188,20 +186,15 @@ def extremes(path: Path, digest: str) -> Floats | None:
         return np.frombuffer(data).reshape(-1, 3)
     from robodyn.solids.mesh.read.load import load_triangles
 
-    best, farthest = np.zeros((len(_DIRECTIONS), 3)), np.full(len(_DIRECTIONS), -np.inf)
+    directions, farthest = spread_out(240), np.zeros((0, 3))
     try:
         triangles = load_triangles(path)
-        for block in triangles.blocks():
-            points = np.asarray(block, float).reshape(-1, 3)
-            for part in np.split(points, range(_PART, len(points), _PART)):
-                reach = part @ _DIRECTIONS.T
-                most = reach.argmax(axis=0)
-                reach = reach[most, np.arange(len(_DIRECTIONS))]
-                best[reach > farthest] = part[most[reach > farthest]]
-                farthest = np.maximum(reach, farthest)
+        for block in triangles.blocks(_BLOCK):
+            points = np.concatenate((farthest, np.asarray(block, float).reshape(-1, 3)))
+            farthest = points[(points @ directions.T).argmax(axis=0)]
     except MeshError:
         return None
-    points = np.unique(best * triangles.scale, axis=0)
+    points = np.unique(farthest * triangles.scale, axis=0)
     store.put(key, points.tobytes())
     return points
 
@@ -267,13 +260,19 @@ def all_facts(context: Context) -> Mapping[str, MeshFacts]:
     return {name.uri: known[name.path] for name in names if name.path is not None}
 
 
+def _names(folder: Path) -> frozenset[str]:
+    with suppress(OSError, ValueError):
+        return frozenset(os.listdir(folder))
+    return frozenset()
+
+
 class MeshSearch:
     """How names are looked up; folders are listed once."""
 
     def __init__(self, context: Context) -> None:
         self._bytes = context.reading.file == STDIN
         self._search = context.search
-        self._listed: dict[Path, frozenset[str]] = {}
+        self._names = cache(_names)
 
     def find(self, uri: str, uses: tuple[MeshUse, ...]) -> MeshName:
         path = self._search.find(uri)
@@ -320,13 +319,6 @@ class MeshSearch:
             root = root / alike[0]
             parts += alike
         return "/".join(parts)
-
-    def _names(self, folder: Path) -> frozenset[str]:
-        if folder not in self._listed:
-            self._listed[folder] = frozenset()
-            with suppress(OSError, ValueError):
-                self._listed[folder] = frozenset(os.listdir(folder))
-        return self._listed[folder]
 
 
 class UnitSlip(NamedTuple):

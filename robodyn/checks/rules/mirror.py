@@ -269,9 +269,8 @@ def mirror_origin(context: Context) -> Faults:
         pair = pair if pair is None or pair.right.name == over[1] else pair.turned
         if right in found.turned:
             yield _turned(context.view.joint[joints[1].name], *joints, found.turned[right])
-        if {left, right} & found.pairs.keys() or not all(
-            joint.type != "fixed" or joint.child in heavy for joint in joints
-        ):
+        light = any(joint.type == "fixed" and joint.child not in heavy for joint in joints)
+        if light or {left, right} & found.pairs.keys():
             continue
         if over[0] == over[1] and length(found.plane.image(found.p[over[0]]) - found.p[over[0]]) <= found.near:
             pair = None
