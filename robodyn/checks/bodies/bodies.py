@@ -84,9 +84,7 @@ def other_unit(context: Context) -> tuple[float, float] | None:
         volume = 0.0 if box is None else float((box.hi - box.lo).prod())
         if volume > 0 and mass is not None and mass > 0:
             densities.append(mass / volume)
-    if len(densities) < _FEWEST:
-        return None
-    middle = median(densities)
+    middle = median(densities) if len(densities) >= _FEWEST else np.nan
     return next(((by, middle) for by in (1e3, 1e-3) if _LIKELY[0] <= middle * by**3 <= _LIKELY[1]), None)
 
 
@@ -97,9 +95,8 @@ def box_of(shapes: Iterable[GeometryView], known: Solids, outer: Pose) -> Box | 
 
 def link_boxes(context: Context) -> Mapping[str, Box | None]:
     """The box around the shapes of each link that has some, along its axes; None where one is unknown."""
-    known = context.once(solids)
     shaped = ((link.name, real_shapes(link)) for link in context.view.links)
-    return {name: box_of(shapes, known, STILL) for name, shapes in shaped if shapes}
+    return {name: box_of(shapes, context.once(solids), STILL) for name, shapes in shaped if shapes}
 
 
 def around_known(boxes: Sequence[Box | None]) -> Box | None:

@@ -89,8 +89,7 @@ def _beyond_box(body: Body) -> Fault | None:
     ratio = float(spread[axis] / bound[axis])
     if ratio <= _SLIGHT:
         return None
-    wherever = spread[axis] > sides[axis] ** 2 / 4
-    severity = WARNING if ratio > FAR and wherever else NOTE
+    severity = WARNING if ratio > FAR and spread[axis] > sides[axis] ** 2 / 4 else NOTE
     what = f"along {'xyz'[axis]} its inertia needs {figure(ratio)} times the second moment that any mass in the box"
     what += " around the shapes can have"
     return _fault(body, severity, what, float(spread[axis]), float(bound[axis]))

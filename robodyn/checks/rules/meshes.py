@@ -202,31 +202,23 @@ def mesh_surface(context: Context) -> Faults:
 
 
 def _wrong(facts: MeshFacts, name: MeshName) -> tuple[str, Severity] | None:
-    if not facts.finite:
-        return f"has a coordinate that is no number: {facts.problem}", WARNING
-    if facts.inverted:
-        inside_out = "is inside out" if facts.volume < 0 else f"has {facts.inverted} shells that are inside out"
-        return inside_out, WARNING
-    if facts.doubt:
-        return f"may not be whole: {facts.doubt}", WARNING
     gives_mass = any(use.geometry.kind == "collision" and use.link.inertial is None for use in name.uses)
-    what, severity = None, WARNING if gives_mass else NOTE
-    if facts.one_sided:
-        what = f"has {facts.one_sided} faces in surfaces with one side only: it encloses nothing"
-    elif facts.mixed:
-        what = "has faces wound against their neighbours"
-    elif not facts.closed and facts.problem is None:
-        what = "is not closed" if facts.mended is None else "is closed but for faces without area, or given twice"
-        if facts.left:
-            share = figure(100 * facts.missing, 2)
-            what = f"is not closed: {share} % of its surface is missing, in gaps that are too large to be filled"
-        elif facts.mended:
-            what = f"is open by small gaps only ({facts.mended}): filled, it encloses a volume"
-        severity = severity if facts.left or facts.mended is None else NOTE
-    elif facts.overlapping:
-        what = "has shells that overlap: what they share counts twice where they are not united"
-        severity = NOTE
-    return None if what is None else (what, severity)
+    severity, is_open = WARNING if gives_mass else NOTE, not facts.closed and facts.problem is None
+    inverted = "is inside out" if facts.volume < 0 else f"has {facts.inverted} shells that are inside out"
+    missing = f"is not closed: {figure(100 * facts.missing, 2)} % of its surface is missing"
+    said = (
+        (not facts.finite, WARNING, f"has a coordinate that is no number: {facts.problem}"),
+        (facts.inverted, WARNING, inverted),
+        (facts.doubt, WARNING, f"may not be whole: {facts.doubt}"),
+        (facts.one_sided, severity, f"has {facts.one_sided} faces in surfaces with one side only: it encloses nothing"),
+        (facts.mixed, severity, "has faces wound against their neighbours"),
+        (is_open and facts.left, severity, f"{missing}, in gaps that are too large to be filled"),
+        (is_open and facts.mended is None, severity, "is not closed"),
+        (is_open and facts.mended, NOTE, f"is open by small gaps only ({facts.mended}): filled, it encloses a volume"),
+        (is_open, NOTE, "is closed but for faces without area, or given twice"),
+        (facts.overlapping, NOTE, "has shells that overlap: what they share counts twice where they are not united"),
+    )
+    return next(((what, how_bad) for holds, how_bad, what in said if holds), None)
 
 
 _MESH = '<mesh filename="millimetres.stl" scale="0.001 0.001 0.001"/>'

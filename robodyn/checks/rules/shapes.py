@@ -133,14 +133,14 @@ def self_overlap(context: Context) -> Faults:
     found = [] if context.once(detached) else overlaps(context)
     if not found:
         return
-    worst, *others = found
-    what = f"at rest it reaches {worst.depth:.3g} m into link '{worst.first.name}', which is no neighbour of it"
+    (depth, first, _, shape), *others = found
+    what = f"at rest it reaches {depth:.3g} m into link '{first.name}', which is no neighbour of it"
     if others:
-        more = [f"'{one.second.name}' and '{one.first.name}' {one.depth:.3g} m" for one in others[:_SHOWN]]
+        more = [f"'{two.name}' and '{one.name}' {deep:.3g} m" for deep, one, two, _ in others[:_SHOWN]]
         rest = f" and {len(others) - _SHOWN} more" if len(others) > _SHOWN else ""
         what += f"; so do {', '.join(more)}{rest}"
     remedy = "give it simpler collision shapes or several convex ones, or disable the pair in the SRDF"
-    yield Fault(worst.shape.element.span, what, remedy, worst.depth, 0.0)
+    yield Fault(shape.element.span, what, remedy, depth, 0.0)
 
 
 _THIN = 1e-5
