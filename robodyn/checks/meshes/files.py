@@ -8,11 +8,10 @@ import os
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
-from enum import Enum
 from functools import cache
 from math import dist
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -199,12 +198,7 @@ def extremes(path: Path, digest: str) -> Floats | None:
     return points
 
 
-class State(Enum):
-    FOUND = "there"
-    OTHER_CASE = "there in another case"
-    MISSING = "not there"
-    UNKNOWN = "in a package of which nothing is known"
-    REMOTE = "somewhere else"
+State = Literal["there", "there in another case", "not there", "in an unknown package", "on another machine"]
 
 
 class MeshUse(NamedTuple):
@@ -280,14 +274,14 @@ class MeshSearch:
         for root, prefix, rest in self._roots(uri):
             name = self._true_name(root, rest)
             if name is not None and name != rest and (path is None or path == root / rest):
-                return MeshName(uri, uses, State.OTHER_CASE, root / name, prefix + name)
+                return MeshName(uri, uses, "there in another case", root / name, prefix + name)
             if path == root / rest:
                 break
         if path is not None:
-            return MeshName(uri, uses, State.FOUND, path)
+            return MeshName(uri, uses, "there", path)
         if separator and scheme not in ("file", "package", "model"):
-            return MeshName(uri, uses, State.REMOTE)
-        return MeshName(uri, uses, State.MISSING if self._known(uri) else State.UNKNOWN)
+            return MeshName(uri, uses, "on another machine")
+        return MeshName(uri, uses, "not there" if self._known(uri) else "in an unknown package")
 
     def _roots(self, uri: str) -> Iterator[tuple[Path, str, str]]:
         """Yield folders that exist, what of the name stands for them, and the path in them."""

@@ -11,7 +11,7 @@ from pathlib import Path
 from robodyn.checks.context import STDIN
 from robodyn.checks.examples import a_joint, a_link, a_mesh, a_shaped_link, arm
 from robodyn.checks.importers import READS, unread
-from robodyn.checks.meshes.files import MeshFacts, MeshName, State, all_facts, mesh_names, mesh_slips, mesh_uses
+from robodyn.checks.meshes.files import MeshFacts, MeshName, all_facts, mesh_names, mesh_slips, mesh_uses
 from robodyn.checks.rule import ERROR, NOTE, WARNING, Context, Fault, Faults, Fix, Severity, rule
 from robodyn.robot.urdf.sources import EXPANDED, home_of, package_name, package_of
 from robodyn.robot.urdf.view import value_span
@@ -41,9 +41,9 @@ def mesh_missing(context: Context) -> Faults:
             yield Fault(use.at, "the mesh names no file", 'write filename="..."')
     names = context.once(mesh_names).values()
     for name in names:
-        if name.state is State.MISSING:
+        if name.state == "not there":
             yield _missing(context, name)
-        elif name.state is State.REMOTE:
+        elif name.state == "on another machine":
             remedy = "save it in the package: few programs fetch meshes"
             yield name.fault("is not on this machine", remedy, WARNING)
     yield from _of_strange_packages(context)
@@ -59,7 +59,7 @@ def _of_strange_packages(context: Context) -> Faults:
     for name in context.once(mesh_names).values():
         package = package_of(name.uri)
         known = package is None or not package[0] or context.search.share(package[0]) is not None
-        if name.state is State.UNKNOWN or (name.path is not None and not known):
+        if name.state == "in an unknown package" or (name.path is not None and not known):
             strange.setdefault("" if package is None else package[0], []).append(name)
     neighbours = context.search.neighbours if strange else []
     for stranger, names in strange.items():
@@ -117,7 +117,7 @@ def mesh_case(context: Context) -> Faults:
     Windows and macOS find a mesh whose name differs in case, Linux does not: the description works for its author and
     for nobody else. The examples stand beside a file `part.stl`."""
     for name in context.once(mesh_names).values():
-        if name.state is not State.OTHER_CASE or name.found is None:
+        if name.state != "there in another case" or name.found is None:
             continue
         fix = name.renamed(name.found)
         yield name.fault("is there in another case", fix.what, fix=fix)
@@ -157,7 +157,7 @@ def _why(context: Context, name: MeshName) -> str | None:
         places = [Path(os.path.normpath(folder.absolute() / uri)) for folder in context.search.folders]
         if all(root not in place.parents for place in places):
             return "leads out of this file's package"
-    if name.state is not State.FOUND:
+    if name.state != "there":
         return None
     return "has \\ between folders, which Windows alone reads" if "\\" in uri else _found_elsewhere(context, name)
 
@@ -197,7 +197,7 @@ def mesh_surface(context: Context) -> Faults:
     for uri, facts in context.once(all_facts).items():
         name = context.once(mesh_names)[uri]
         found = _wrong(facts, name)
-        if found is not None and name.state is not State.OTHER_CASE:
+        if found is not None and name.state != "there in another case":
             yield name.fault(found[0], _REMEDY, found[1])
 
 

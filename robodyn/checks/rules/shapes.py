@@ -10,7 +10,7 @@ from robodyn.checks.bodies.bodies import real_shapes, solids
 from robodyn.checks.bodies.collision_fit import misfits
 from robodyn.checks.bodies.contacts import detached, overlaps
 from robodyn.checks.examples import a_shaped_link, a_tower, arm
-from robodyn.checks.meshes.files import MeshSearch, MeshUse, State, mesh_uses
+from robodyn.checks.meshes.files import MeshSearch, MeshUse, mesh_uses
 from robodyn.checks.rule import ERROR, NOTE, TREE, WARNING, Context, Fault, Faults, namesakes, rule
 from robodyn.checks.rules.text import own_elements
 from robodyn.robot.urdf.document import Element, unexpanded
@@ -276,7 +276,6 @@ def texture_missing(context: Context) -> Faults:
             continue
         seen.add(uri)
         state = meshes.find(uri, ()).state
-        if state in (State.MISSING, State.OTHER_CASE):
-            how = "not there" if state is State.MISSING else "there in another case"
-            what, remedy = f"the texture {shown_path(uri)} is {how}", "correct its name, or delete <texture>"
+        if state in ("not there", "there in another case"):
+            what, remedy = f"the texture {shown_path(uri)} is {state}", "correct its name, or delete <texture>"
             yield Fault(value_span(element, "filename"), what, remedy, subject=subject)
