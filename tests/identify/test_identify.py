@@ -67,7 +67,7 @@ def test_exact_logs_give_exact_base_parameters(name, tmp_path):
     robot = ROBOTS / f"{name}.urdf"
     names = robodyn.load(robot).rates
     scene = Scene(friction=friction(robodyn.load(robot), 0.5, 0.8, -0.6), rotor={each: Rotor(0.03) for each in names})
-    model, _, _ = logged(tmp_path / "log.csv", robot, waves, scene, np.random.default_rng(1), time=TIME[:1000])
+    model, _, _ = logged(tmp_path / "log.csv", robot, waves, scene, np.random.default_rng(1), time=TIME[:700])
     found = identify([read_log(str(tmp_path / "log.csv"), model)])
     assert off_truth(found, scene) < 1e-10
 
@@ -165,7 +165,7 @@ def test_units_do_not_count(tmp_path):
 
 def test_what_is_kept_does_not_grow(tmp_path):
     kept = []
-    for count in (2000, 6000):
+    for count in (2000, 4000):
         path = tmp_path / f"{count}.csv"
         time = 0.01 * np.arange(count)
         model, _, _ = logged(path, SPATIAL, waves, DEFAULT, np.random.default_rng(6), noise=0.01, time=time)

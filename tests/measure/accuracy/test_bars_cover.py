@@ -47,7 +47,7 @@ def test_rounding_of_files() -> None:
     """Corners in float32 or in six decimals, against those that were meant."""
     rng = np.random.default_rng(2)
     held = []
-    for _ in range(60):
+    for _ in range(40):
         body = random_body(rng) * 1e-3
         meant = robodyn.mass_properties(body)
         found = robodyn.mass_properties(samples.binary_stl(body), file_type="stl")
@@ -60,7 +60,7 @@ def test_rounding_of_files() -> None:
 def test_what_sampling_explains_of_the_energy() -> None:
     """The residual of exact motions is that of the trapezoidal rule, which the report estimates to a factor of two."""
     rng, held = np.random.default_rng(5), []
-    for k in range(40):
+    for k in range(20):
         model = robot(("puma", "two_link_spatial", "two_link_planar")[k % 3])
         time = np.linspace(0.0, rng.uniform(0.5, 2.0), rng.integers(100, 400))
         balance = robodyn.torques(model, motion(model, time, *waves(rng, time, model.n))).checks.energy_balance
