@@ -70,7 +70,7 @@ Command = Callable[..., Bounded]
 
 @contextmanager
 def bounded_commands() -> Iterator[Command]:
-    """Run `robodyn args` in forks of one process, each with a minute of processor and 3 GB of address space."""
+    """Run `robodyn args` here, in forks of one process, each with a minute of processor and 3 GB of address space."""
     environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "ROBODYN_CACHE": "0"}
     with subprocess.Popen(
         [sys.executable, "-c", _SERVER], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=environment
@@ -78,10 +78,10 @@ def bounded_commands() -> Iterator[Command]:
         assert server.stdin is not None
         assert server.stdout is not None
 
-        def bounded(*words: str, cwd: Path, limits: str = "") -> Bounded:
-            print(json.dumps([str(cwd), limits, words]), file=server.stdin, flush=True)
+        def bounded(*words: str, limits: str = "") -> Bounded:
+            print(json.dumps([os.getcwd(), limits, words]), file=server.stdin, flush=True)
             status, memory = json.loads(server.stdout.readline())
-            return Bounded(status, (cwd / ".err").read_text(), memory << 10)
+            return Bounded(status, Path(".err").read_text(), memory << 10)
 
         yield bounded
         server.stdin.close()

@@ -1,16 +1,21 @@
-"""scene.toml: every key is read, and whatever is wrong is one line that says where, what, and what would be right."""
+"""scene.toml: every key is read; whatever is wrong is one line that says where, what, and what would be right."""
 
 from __future__ import annotations
 
+import json
 import re
-from dataclasses import replace
+from dataclasses import fields, replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from helpers.oracles import robot
+from hypothesis import given
+from hypothesis import strategies as st
 
 from robodyn.dynamics.effects.motors import rotor_of
 from robodyn.errors import SceneError
+from robodyn.scene import scene as parts
 from robodyn.scene.read import load_scene, parse_scene
 from robodyn.scene.scene import (
     Contact,
@@ -27,6 +32,8 @@ from robodyn.scene.scene import (
     Scene,
     Spring,
 )
+from robodyn.scene.toml_table import OF_THE_SCENE
+from robodyn.scene.uncertainty import Uncertainty
 
 EVERYTHING = b"""
 gravity = [0.5, -1, -9.81]
@@ -388,3 +395,64 @@ def test_files(tmp_path):
     good = tmp_path / "good.toml"
     good.write_bytes(EVERYTHING)
     assert load_scene(good).payloads == parse_scene(EVERYTHING).payloads
+
+
+KINDS = (parts.Friction, parts.Rotor, parts.CoupledMotor, parts.Spring, parts.Payload, parts.ExternalWrench)
+KINDS += (parts.Immersed, parts.Drive, parts.LimitSpring, parts.Motor, parts.Loop, parts.Contact, parts.ContactCost)
+KEYS = sorted({*OF_THE_SCENE, *(field.name for kind in (*KINDS, Uncertainty) for field in fields(kind))})
+KEYS += ["coulomb", "speed_unit", "q", "qd", "polygon", "motion", "held", "density", "velocity", "", "é", "a b"]
+WORDS = ["5 %", "3 mm", "link", "base", "world", "moving", "fixed", "tool0", "fx", "", "\n", "\u202e"]
+DAMAGE = [b"[", b"]", b"{", b"=", b"'", b"1e999"]
+EXAMPLES = sorted((Path(__file__).parents[2] / "robots").glob("*.toml"))
+
+
+def tables(inner):
+    return st.dictionaries(st.sampled_from(KEYS), inner, max_size=6)
+
+
+numbers = st.one_of(st.integers(), st.integers(10**400, 10**401), st.floats(), st.booleans())
+values = st.recursive(
+    st.one_of(numbers, st.sampled_from(WORDS), st.text(max_size=5)),
+    lambda inner: st.one_of(
+        st.lists(inner, max_size=6), st.lists(numbers, min_size=3, max_size=3), tables(inner), st.lists(tables(inner))
+    ),
+    max_leaves=20,
+)
+
+
+def written(value):
+    """A value as inline TOML."""
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{json.dumps(key)} = {written(part)}" for key, part in value.items()) + "}"
+    if isinstance(value, list):
+        return "[" + ", ".join(written(part) for part in value) + "]"
+    return json.dumps(value) if isinstance(value, str) else str(value).lower()
+
+
+def clean(data):
+    try:
+        found = parse_scene(data)
+    except SceneError as error:
+        found = error
+    assert isinstance(found, Scene) or (found.what and "\n" not in str(found))
+
+
+@given(tables(values))
+@pytest.mark.slow
+def test_any_tables(table):
+    clean("\n".join(f"{json.dumps(key)} = {written(value)}" for key, value in table.items()).encode())
+
+
+@given(st.one_of(st.binary(max_size=60), st.text(max_size=60).map(lambda text: text.encode("utf-8", "surrogatepass"))))
+def test_any_bytes(data):
+    clean(data)
+
+
+@given(st.sampled_from(EXAMPLES), st.data())
+def test_damaged_examples(path, data):
+    text = bytearray(path.read_bytes())
+    for _ in range(data.draw(st.integers(1, 4))):
+        start = data.draw(st.integers(0, len(text)))
+        stop = min(len(text), start + data.draw(st.integers(0, 10)))
+        text[start:stop] = data.draw(st.one_of(st.binary(max_size=4), st.sampled_from(DAMAGE)))
+    clean(bytes(text))
