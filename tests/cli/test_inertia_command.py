@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers import mesh_samples as samples
-from helpers.command_line import ROBOTS, refused, run, shown
+from helpers.command_line import ROBOTS, document, refused, run, shown
 from helpers.html_pages import checked
 from helpers.round_shapes import SOLIDS
 
@@ -40,13 +40,8 @@ def saved(folder, corners, name="part.stl"):
 
 
 def one_mesh(*args):
-    (only,) = document(*args)["meshes"]
+    (only,) = document("inertia", *args)["meshes"]
     return only
-
-
-def document(*call):
-    text = shown("inertia", *call, "--format", "json")
-    return json.loads(text, parse_constant=lambda name: pytest.fail(f"{name} is not JSON"))
 
 
 def test_json_of_a_published_tetrahedron(wedge):
@@ -218,12 +213,12 @@ def read_back(*call):
 
 @pytest.mark.parametrize("call", CALLS.values(), ids=CALLS)
 def test_urdf_reads_back_as_the_json_has_it(call):
-    found = document(*call)
+    found = document("inertia", *call)
     assert read_back(*call) == (found["mass"], found["com"], found["inertia"])
 
 
 def test_robot_json():
-    found = document(*CALLS["robot"])
+    found = document("inertia", *CALLS["robot"])
     assert found["at"] == {"waist": 0.1, "shoulder": -0.2, "elbow": 0.3, "wrist": 4.0, "finger_slide": 0.01}
     assert math.fsum(link["mass"] for link in found["links"]) == pytest.approx(found["mass"], rel=2 * EPS)
     expected = robot_inertia(load_description(ARM), [0.1, -0.2, 0.3, 4, 0.01]).body
@@ -248,7 +243,7 @@ def test_robot_text():
 
 
 def test_link_from_shapes():
-    found = document(*CALLS["shapes"])
+    found = document("inertia", *CALLS["shapes"])
     expected = link_from_shapes(load_description(ARM), "hand").body
     assert (found["mass"], found["inertia"]) == (0.0385, expected.inertia.tolist())
     text = run("inertia", *CALLS["shapes"]).out
@@ -287,7 +282,7 @@ def test_compare_text(tmp_path):
 def test_combined_meshes(boxes):
     places = ("--place", "0,0,0", "--place", "0,0,0.75,0,0,0.5")
     call = (*boxes, "--combine", *places, "--density", "1000", "--density", "500")
-    found = document(*call)
+    found = document("inertia", *call)
     expected = box(2, 1, 0.5, density=1000) + box(1, 1, 1, density=500).placed(
         rotation_from_rpy(0, 0, 0.5), np.array([0, 0, 0.75])
     )
@@ -307,7 +302,7 @@ def test_combined_text_and_mass_of_the_whole(boxes):
     assert [line.split()[0].rpartition("/")[2] for line in lines[4:6]] == ["long.stl", "cube.stl"]
     assert "mass            4.000 kg" in lines
     assert "warning: boxes of 1 pair of bodies overlap: what bodies share counts twice" in lines
-    assert document(*boxes, "--combine", "--mass", "3", "--mass", "1")["combined"]["mass"] == 4
+    assert document("inertia", *boxes, "--combine", "--mass", "3", "--mass", "1")["combined"]["mass"] == 4
 
 
 @pytest.fixture

@@ -31,9 +31,7 @@ def test_as_main(call):
 def test_what_is_registered_for_the_end_is_done_and_memory_is_not_taken_apart():
     before = "import atexit; atexit.register(print, 'registered')\n"
     before += "class Thing:\n    def __del__(self, say=print): say('gone')\nthing = Thing()"
-    out = started("start", "--version", before=before).stdout
-    assert out.endswith("registered\n")
-    assert "gone" not in out
+    assert started("start", "--version", before=before).stdout.endswith("\nregistered\n")
 
 
 def test_threads_are_waited_for():
@@ -88,7 +86,7 @@ start()
 
 
 @pytest.mark.skipif(os.name != "posix", reason="needs signals")
-@pytest.mark.parametrize("count", sampled([1, *range(8, 60, 7), *range(60, 1200, 90)], 4))
+@pytest.mark.parametrize("count", sampled([1, *range(8, 60, 7), *range(60, 1200, 90)], 6))
 def test_an_interrupt_while_modules_load(count: int) -> None:
     code = PROBE.format(count=count, here=str(Path(__file__).parent))
     call = [sys.executable, "-I", "-c", code, "torques", str(ROBOTS / "scara.urdf"), str(ROBOTS / "none.csv")]
