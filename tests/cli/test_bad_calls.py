@@ -84,12 +84,10 @@ CALLS: dict[str, str] = {
     "or .npz)",
     "torques arm.urdf arm.csv --out ''": "'': unknown type of table by this suffix",
     "torques arm.urdf arm.csv --out arm.csv": "arm.csv: the output would overwrite an input (give --out another name)",
-    "torques arm.urdf arm.csv --out ./arm.urdf": "./arm.urdf: the output would overwrite an input",
     "torques arm.urdf arm.csv --out 'nul\0.csv'": "nul\\x00.csv: cannot be written: the name has a null character",
     "torques arm.urdf arm.csv --report r.pdf": "r.pdf: unknown type of report by this suffix (name it .html or .md)",
     "torques arm.urdf arm.csv --report no/r.html": "no/r.html: cannot be written: there is no such folder",
     "accuracy part.stl --plot front.bmp": "front.bmp: unknown type of picture by this suffix",
-    "accuracy part.stl --plot part.stl": "part.stl: the output would overwrite an input",
     "linearize arm.urdf --out linear.csv": "linear.csv: is no .npz file (--out FILE.npz)",
     "export arm.urdf --to c --out no/f.c": "no/f.c: cannot be written: no such file or directory (name another file)",
     "export arm.urdf --to c --out .": ".: cannot be written: is a directory (name another file)",
@@ -98,7 +96,6 @@ CALLS: dict[str, str] = {
     "export arm.urdf --to casadi --out platform.py": f"platform.py: {HIDES} platform, which ",
     # files of another kind, or none
     "torques arm.csv arm.urdf": SWAPPED + ORDER,
-    "accuracy arm.csv arm.urdf": SWAPPED + "robodyn accuracy MESH|URDF TRAJECTORY|URDF SCENE.toml)",
     "torques arm.urdf arm.urdf": "arm.urdf: this is a robot description, and a table is expected here (the order: ",
     "torques arm.urdf scene.toml": "scene.toml: this is a scene, and a table is expected here (the order: ",
     "torques part.stl arm.csv": "part.stl: this is a mesh, and a robot description is expected here (the order: ",
@@ -213,7 +210,6 @@ CALLS: dict[str, str] = {
     # many trajectories
     "torques arm.urdf arm.csv more.csv": "many trajectories need --out FOLDER for their results (try: robodyn torques ",
     "torques arm.urdf arm.csv more.csv --out arm.urdf": "arm.urdf: is a file, many trajectories need a folder (give --",
-    "torques arm.urdf arm.csv more.csv --out .": "arm.csv: the output would overwrite an input (give --out another ",
     "torques arm.urdf arm.csv more.csv --out r --report r.html": "--report is of one trajectory",
     "torques arm.urdf *.txt --out r": "*.txt: no file fits this pattern",
     "torques - arm.csv more.csv --out r": "<stdin>: standard input serves one trajectory (name files",

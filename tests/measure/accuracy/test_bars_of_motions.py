@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from benchmarks.coverage_of_bars import NOISES, ONE, Held, held, one_joint
+from benchmarks.derivative_errors import NOISES, ONE, Held, held, one_joint
 from helpers.exact_motions import MOTIONS
 from helpers.small_robots import built, joint, link
 
