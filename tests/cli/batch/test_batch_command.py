@@ -240,9 +240,9 @@ def test_problems_of_workers_in_words(distributed: Any) -> None:
     (job,) = jobs_of(["runs/one.csv"], "r")
     killed, gone = distributed.scheduler.KilledWorker("task", None, 3), distributed.client.FutureCancelledError
     for problem, words in (
-        (killed, "every worker that it was given to died"),
-        (ModuleNotFoundError("No module named 'robodyn'"), "No module named 'robodyn' (install robodyn there)"),
-        (gone("task", "lost"), "the scheduler went away (the same command again"),
+        (killed, "every worker that it was given to died (is there enough memory?)"),
+        (ModuleNotFoundError("No robodyn"), "No robodyn on the worker (install robodyn there)"),
+        (gone("task", "lost"), "the scheduler went away (the same command again goes on with what is not finished)"),
         (TimeoutError("late"), "TimeoutError: late"),
     ):
-        assert words in torques_batch._why(job, problem)
+        assert torques_batch._why(job, problem) == f"runs/one.csv: {words}"
