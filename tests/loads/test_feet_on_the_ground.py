@@ -15,7 +15,7 @@ from helpers.walking import WALKERS, sway, walk
 import robodyn
 from robodyn.scene.scene import ExternalWrench
 
-EVERY = ["Go2", *(pytest.param(name, marks=pytest.mark.slow) for name in ("ANYmal", "G1", "TALOS"))]
+EVERY = ["Go2", pytest.param("TALOS", marks=pytest.mark.slow)]
 
 
 @cache

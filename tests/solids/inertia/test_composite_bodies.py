@@ -9,13 +9,12 @@ import mpmath
 import numpy as np
 import pytest
 from helpers.mass_clouds import floats, joined, random_cloud, within
-from helpers.oracles import EPS, ROBOTS, robot, worst
+from helpers.oracles import EPS, worst
 from hypothesis import given
 from hypothesis import strategies as st
 
 from robodyn.errors import InputError
 from robodyn.programs.vectors import IDENTITY, ZERO, rotation_from_rpy
-from robodyn.robot.load import load_description, placement
 from robodyn.solids.inertia.properties import composite, from_inertia
 from robodyn.solids.inertia.solids import box, capsule, cylinder, sphere
 
@@ -133,32 +132,3 @@ def test_parts_without_mass_or_volume():
     with pytest.raises(InputError, match="not orthogonal"):
         composite([(body, (IDENTITY * 1.01, ZERO))])
     assert (body + box(1, 1, 1, mass=1)).volume is None
-
-
-SOLIDS = {
-    "deck": box(0.6, 0.4, 0.02, mass=12),
-    "mast": cylinder(0.05, 0.5, mass=6),
-    "left_wheel": cylinder(0.12, 0.04, mass=3),
-    "right_wheel": cylinder(0.12, 0.04, mass=3),
-    "left_outrigger": box(0.3, 0.05, 0.05, mass=1.5),
-    "right_outrigger": box(0.3, 0.05, 0.05, mass=1.5),
-    "fin": box(0.3, 0.01, 0.2, mass=1.2),
-    "ball": sphere(0.08, mass=4),
-}
-
-
-def test_the_cart_of_solids_is_what_its_description_says():
-    model, links = robot("composite"), {link.name: link for link in load_description(ROBOTS / "composite.urdf").links}
-    assert links.keys() == SOLIDS.keys()
-    parts = []
-    for name, solid in SOLIDS.items():
-        inertial, frame = links[name].inertial, model.links[name]
-        R, p = placement(inertial.origin)
-        parts.append((solid.placed(R, p), (frame.R, frame.p)))
-    whole, expected = composite(parts), model.bodies[0].inertia
-    assert abs(whole.mass - 32.2) <= 2 * EPS * 32.2
-    assert worst(whole.moments.mc, expected.mc) <= 8 * EPS
-    assert worst(whole.moments.I, expected.I) <= 8 * EPS
-    lateral = whole.principal.axes[np.argmax(np.abs(whole.principal.axes[:, 1]))]
-    assert np.abs(lateral - [0, 1, 0]).max() <= 8 * EPS
-    assert abs(whole.com[1]) <= EPS * 0.25
