@@ -48,7 +48,7 @@ MOTIONS: dict[str, Motion] = {
     "points by minimum jerk": through(POINTS, minimum_jerk(None, 0.0)[0]),
     "points by trapezoids": through(POINTS, linear_accelerations([(0.25, 1, 1), (0.5, 0, 0), (0.25, -1, -1)])[0]),
 }
-ROWS = (3, 8, 20, 30, 60, 100, 200, 400)
+ROWS = (3, 20, 30, 60, 100, 200, 400)
 TOO_FEW_BELOW = {"sine": 30, "points by minimum jerk": 60, "points by trapezoids": 200}
 """Of positions alone over 4 s: the first of ROWS that is not warned of."""
 ENERGY_BELOW = {"sine": 12, "points by minimum jerk": 20, "points by trapezoids": 60}
