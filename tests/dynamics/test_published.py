@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import replace
 from decimal import Decimal
 
 import numpy as np
 import pytest
-from helpers.oracles import frictionless, reference, robot, worst
+from helpers.oracles import frictionless, reference, robot
 from helpers.robot_files import FOLDER
-from helpers.small_robots import built, joint, link
 
 import robodyn
 from robodyn.dynamics.inverse import bias_forces, inverse_dynamics, mass_matrix
@@ -91,38 +89,3 @@ def test_matrices_accelerations_and_a_payload():
     ):
         assert _agrees(found, printed)
     assert _agrees(np.diag(mass_matrix(MODEL, QN, scene=loaded)), payload["M_diag(qn)_with_motor"], 8)
-
-
-OTHERS_PRINTED = reference("published_checks")
-
-
-AXES = {key: value for key, value in OTHERS_PRINTED["negative_and_oblique_axis"].items() if key.startswith("(")}
-
-
-def _arm(axis):
-    return built(
-        link("base"), link("arm", 2, (0.5, 0, 0), (0.1, 0, 0, 0.1, 0, 0.1)), joint("j", "base", "arm", axis=axis)
-    )
-
-
-@pytest.mark.parametrize("axis", AXES)
-def test_negative_and_oblique_axes(axis):
-    direction = json.loads(axis.replace("(", "[").replace(")", "]"))
-    tau = inverse_dynamics(_arm(direction), 0.3, 0, 0)
-    assert abs(tau[0] - AXES[axis]) <= 1e-8
-    long = inverse_dynamics(_arm(7.3 * np.array(direction)), 0.3, 0, 0)
-    assert worst(long, tau) <= 4e-16
-
-
-def test_one_joint_with_friction():
-    printed = OTHERS_PRINTED["effects_one_joint"]
-    model = built(
-        link("base"),
-        link("l1", 2, (0.5, 0, 0)),
-        link("l2", 1, (0.5, 0, 0)),
-        joint("j1", "base", "l1", axis=(0, 1, 0), more='<dynamics damping="3" friction="5"/>'),
-        joint("j2", "l1", "l2", axis=(0, 1, 0), xyz=(1, 0, 0)),
-    )
-    state = [0, 0], [1, 0], [0, 0]
-    assert worst(inverse_dynamics(model, *state, scene=frictionless(model)), printed["bias"]) <= 1e-15
-    assert worst(inverse_dynamics(model, *state), printed["mujoco_qfrc_inverse"]) <= 1e-15
