@@ -1,5 +1,7 @@
-"""Too few samples to derive accelerations, or to check the energy: in the error bar, in warnings, never green; one row is a
-robot at rest."""
+"""Too few samples to derive accelerations, or to check the energy: in the error bar, in warnings, never green.
+
+One row is a robot at rest, with what rates it gives; two rows are too few to differentiate.
+"""
 
 from __future__ import annotations
 
