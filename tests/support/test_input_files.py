@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import os
+import re
 import socket
 from collections.abc import Iterator
 from pathlib import Path
@@ -54,9 +55,11 @@ _SEPARATE = ("robodyn/robot/urdf/xacro", "robodyn/checks/imported", "robodyn/rob
 
 def _calls() -> Iterator[tuple[str, str, int]]:
     last = {name.rpartition(".")[2] for name in OPENS}
+    called = re.compile(rf"\b({'|'.join(last)})\W*\(")
     for base in ("robodyn", "cli"):
         for path in sorted((ROOT / base).rglob("*.py")):
-            for node in ast.walk(ast.parse(path.read_text())):
+            text = path.read_text()
+            for node in ast.walk(ast.parse(text)) if called.search(text) else ():
                 if isinstance(node, ast.Call) and getattr(node.func, "attr", getattr(node.func, "id", "")) in last:
                     words = ast.unparse(node.func).split(".")
                     for name in dict.fromkeys((words[-1], ".".join(words[-2:]))):

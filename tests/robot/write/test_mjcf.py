@@ -30,7 +30,7 @@ REFUSED = {
 }
 """Robots that cannot be, and the rule that tells why."""
 POSSIBLE = [path for path in PATHS if path.stem not in REFUSED]
-BY_DEFAULT = ("double_pendulum", "iris", "panda", "so101", "solo12", "ur5_robot")
+BY_DEFAULT = ("double_pendulum", "iris", "panda", "solo12")
 
 
 @pytest.fixture(autouse=True)
