@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.sampled import sampled
 
 import robodyn
 from robodyn.programs.vectors import rotation_about
@@ -294,7 +295,7 @@ def test_versions_before_frames(version: tuple[str, str]) -> None:
 CASSIE = [f"cassie_{name}.sdf" for name in ("v2", "reduced", "simple", "wo_gearbox_spring")]
 
 
-@pytest.mark.parametrize("name", CASSIE)
+@pytest.mark.parametrize("name", sampled(CASSIE, 2))
 def test_cassie_without_its_loops(name: str, tmp_path: Path) -> None:
     """Drake knows no loops: without the joints that close them, both have the tree; before they are the same tree."""
     files = importlib.metadata.files("example-robot-data") or []
