@@ -206,10 +206,10 @@ def command(
         click.echo(f"written: {baseline}, {count(places, 'place')}", err=True)
         return 2 if checked.unread else 0
     if baseline:
-        found = baselines.compared(checked.findings, baseline)
-        gone = f"; {found.gone} of it no longer found, --write-baseline drops them" if found.gone else ""
-        click.echo(f"{baseline}: {count(found.known, 'place')} passed over{gone}", err=True)
-        checked = replace(checked, findings=found.new)
+        new, known, gone = baselines.compared(checked.findings, baseline)
+        more = f"; {gone} of it no longer found, --write-baseline drops them" if gone else ""
+        click.echo(f"{baseline}: {count(known, 'place')} passed over{more}", err=True)
+        checked = replace(checked, findings=new)
     if not diff:
         given = {task.name: task.source for task in tasks}
         others: dict[str, Callable[[], str]] = {

@@ -39,7 +39,7 @@ from robodyn.checks.sources import (
 )
 from robodyn.checks.waivers import waived, waivers
 from robodyn.errors import InputError, NoRobotError, RobodynWarning
-from robodyn.robot.urdf.document import Document, Element, SourcePositions, read
+from robodyn.robot.urdf.document import Document, Element, SourcePositions, read, read_document
 from robodyn.robot.urdf.parts import Description
 from robodyn.robot.urdf.sources import EXPANDED, OTHER_FORMATS, is_xacro, read_source, root_tag
 from robodyn.robot.urdf.view import Subject
@@ -51,6 +51,14 @@ if TYPE_CHECKING:
 
 __all__ = ["STANDARD", "Options"]
 Source = str | os.PathLike[str] | bytes
+_OF_ANY_FORMAT = (
+    *("RD111", "RD112", "RD113", "RD201", "RD204", "RD205", "RD206", "RD207", "RD208", "RD209", "RD21", "RD3", "RD4"),
+    *("RD503", "RD507", "RD509", "RD512", "RD515", "RD516", "RD517"),
+    *("RD601", "RD602", "RD604", "RD605", "RD606", "RD608", "RD609", "RD61", "RD8"),
+)
+"""Codes of the rules that ask about the robot: not about the text of a URDF, nor about links without mass, which stand
+between several joints of a body."""
+_OWN = ".msh"  # meshes of MuJoCo's own, which nothing else reads
 _MOST_HUNG_ON = 16  # links of others that a part may hang on
 
 
@@ -132,8 +140,6 @@ def check_description(description: Description, given: Options = STANDARD) -> Ch
     if description.format == "urdf":
         found = found_in(description.data, options, description.file)
     elif os.path.isfile(description.file):
-        from robodyn.checks.other_formats import as_urdf
-
         found = _judged(*as_urdf(description), options)
     else:
         return Checked((), ())
@@ -214,7 +220,8 @@ class Task:
 
 def check_tasks(tasks: Sequence[Task], done: Callable[[], None] = lambda: None) -> Checked:
     """Return the findings in all files; many are shared out among processes, one for each core. `done` is called after
-    each. One that cannot be read stops no other; one that describes no robot is skipped, with a warning."""
+    each. One that cannot be read stops no other; one that describes no robot is skipped, with a warning, and so is a
+    URDF that is what one of the xacro files expands to."""
     shared_out = worth_processes([task.source for task in tasks])
     each = each_in_a_process(_outcome, [(task,) for task in tasks]) if shared_out else map(_outcome, tasks)
     found, unread = list[tuple[str, Found]](), list[Unread]()
@@ -227,20 +234,15 @@ def check_tasks(tasks: Sequence[Task], done: Callable[[], None] = lambda: None) 
             found.append((task.name, outcome))
         done()
     several = any(is_xacro(name) for name, _ in found)
-    found = _judged_once(found) if several else found
+    expanded = {each.content for name, each in found if is_xacro(name)}
+    same = [name for name, each in found if each.content in expanded and not is_xacro(name)]
+    if same:
+        what = count(len(same), "URDF is what a xacro file expands to", "URDFs are what xacro files expand to")
+        warn(f"{what}, and judged there: {listed_paths(same)}", RobodynWarning, stacklevel=2)
+    found = [(name, each) for name, each in found if name not in same]
     shown, hidden = ([one for _, each in found for one in getattr(each, kind)] for kind in ("shown", "hidden"))
     together = across_robots if several else across_files
     return Checked(tuple(name for name, _ in found), tuple(together(shown)), tuple(unread), tuple(together(hidden)))
-
-
-def _judged_once(found: list[tuple[str, Found]]) -> list[tuple[str, Found]]:
-    """Return what was found without that in URDFs which are what xacro files of these expand to."""
-    xacros = {each.content for name, each in found if is_xacro(name)}
-    same = [name for name, each in found if each.content in xacros and not is_xacro(name)]
-    if same:
-        what = count(len(same), "URDF is what a xacro file expands to", "URDFs are what xacro files expand to")
-        warn(f"{what}, and judged there: {listed_paths(same)}", RobodynWarning, stacklevel=3)
-    return [(name, each) for name, each in found if name not in same]
 
 
 def _outcome(task: Task) -> Found | InputError:
@@ -281,7 +283,6 @@ def _read(source: Source, options: Options, name: str | None) -> tuple[Document,
     if isinstance(source, bytes) or not is_xacro(source):
         reading = read(source, name)
         if reading.robot is None and root_tag(reading.data) in OTHER_FORMATS:
-            from robodyn.checks.other_formats import as_urdf
             from robodyn.robot.load import load_description
 
             return as_urdf(load_description(source, name, package_paths=options.package_path))
@@ -310,15 +311,42 @@ def _read(source: Source, options: Options, name: str | None) -> tuple[Document,
     return reading, expansion
 
 
+def as_urdf(description: Description) -> tuple[Document, Expansion]:
+    """Return the URDF of a description, and of each element of it what it comes from: the body, link or joint of the
+    file. InputError of what is no file, or UTF-16."""
+    from robodyn.robot.urdf.xacro import Expansion
+    from robodyn.robot.write.urdf import new_urdf
+
+    file = description.file
+    if not os.path.isfile(file):
+        raise InputError("MJCF and SDF are checked as files", remedy="name the file", file=file)
+    source = read_document(description.data, file, root_tag(description.data))
+    if source.data != description.data:
+        raise InputError("the file is UTF-16 and is not checked", remedy="save it as UTF-8", file=file)
+    starts: dict[int, int] = {}
+    for element in source.root.walk():
+        starts.setdefault(element.line, element.start)
+    lines = {("link", link.name): link.line for link in description.links}
+    lines |= {("joint", joint.name): joint.line for joint in description.joints}
+    readable = tuple(
+        replace(link, geometries=tuple(each for each in link.geometries if not (each.filename or "").endswith(_OWN)))
+        for link in description.links
+    )
+    reading = read(new_urdf(replace(description, links=readable), file).encode(), file)
+    places = [(0, source.root.start)]
+    for part in reading.root.children:
+        start = starts.get(lines.get((part.tag, part.get("name") or ""), 0), source.root.start)
+        places += [(0, start) for _ in part.walk()]
+    return reading, Expansion(reading.data, (file,), tuple(places))
+
+
 def _findings(reading: Document, expansion: Expansion | None, options: Options) -> tuple[Finding, ...]:
     expanded_to = "" if expansion is None else options.expanded_to
     asked = replace(options.asked, xacro_args=options.xacro_args)
     context = Context(reading, options.thresholds, options.package_path, asked, CODES, expanded_to)
     rules = rules_for(options.select, options.ignore)
     if expansion is not None and not reading.file.endswith(EXPANDED):
-        from robodyn.checks.other_formats import RULES as OF_ANY_FORMAT
-
-        rules = tuple(rule for rule in rules if rule.code.startswith(OF_ANY_FORMAT))
+        rules = tuple(rule for rule in rules if rule.code.startswith(_OF_ANY_FORMAT))
     findings = run_rules(context, rules)
     return findings if expansion is None else tuple(located(findings, reading, expansion))
 

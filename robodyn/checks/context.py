@@ -225,7 +225,8 @@ class Context:
     @property
     def tree(self) -> Tree:
         """The tree of links and its rigid groups. From stage TREE on."""
-        return _there(self.tree_or_none)
+        assert self.tree_or_none is not None, "the stage has been reached"
+        return self.tree_or_none
 
     @cached_property
     def tree_or_none(self) -> Tree | None:
@@ -244,7 +245,8 @@ class Context:
     @property
     def model(self) -> Model:
         """From stage MODEL on."""
-        return _there(self.model_or_none)
+        assert self.model_or_none is not None, "the stage has been reached"
+        return self.model_or_none
 
     @cached_property
     def model_or_none(self) -> Model | None:
@@ -256,8 +258,3 @@ class Context:
             return assemble(self.description_or_none)
         except DescriptionError:
             return None
-
-
-def _there(value: T | None) -> T:
-    assert value is not None, "the stage has been reached"
-    return value

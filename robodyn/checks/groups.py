@@ -13,7 +13,7 @@ import os
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import NamedTuple
 
 from robodyn.checks.rule import Finding, Rule
@@ -147,18 +147,10 @@ def fingerprints(findings: Iterable[Finding]) -> Iterator[str]:
         yield f"{digest}:{seen[same]}"
 
 
-@dataclass(frozen=True)
-class Compared:
-    """The findings that are not in a baseline, how many are, and how many of its entries are no longer found."""
-
-    new: tuple[Finding, ...]
-    known: int
-    gone: int
-
-
-def compared(findings: Iterable[Finding], path: str) -> Compared:
-    """Return the findings against a baseline, place by place: an entry that is there k times allows the first k places
-    of its identity. InputError where the file cannot be read or is no baseline."""
+def compared(findings: Iterable[Finding], path: str) -> tuple[tuple[Finding, ...], int, int]:
+    """Return the findings that are not in a baseline, how many are, and how many of its entries are no longer found,
+    place by place: an entry that is there k times allows the first k places of its identity. InputError where the file
+    cannot be read or is no baseline."""
     left, folder, new = _read(path), os.path.dirname(os.path.abspath(path)), list[Finding]()
     total = left.total()
     for finding in places(findings):
@@ -168,7 +160,7 @@ def compared(findings: Iterable[Finding], path: str) -> Compared:
         else:
             new.append(finding)
     gone = left.total()
-    return Compared(grouped(new), total - gone, gone)
+    return grouped(new), total - gone, gone
 
 
 def write_baseline(findings: Iterable[Finding], path: str) -> int:

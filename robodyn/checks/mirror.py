@@ -54,8 +54,7 @@ _NEAR = 2e-3  # how far a frame may be from its mirror image, relative to the ro
 _SQUARE = [
     np.eye(3)[list(order)] * signs for order in permutations(range(3)) for signs in product_of((1, -1), repeat=3)
 ]
-_ROTATIONS, _REFLECTIONS = ([D for D in _SQUARE if np.linalg.det(D) * sign > 0] for sign in (1, -1))
-"""Those that carry axes to axes."""
+"""Rotations and reflections that carry axes to axes."""
 
 
 def named_pairs(names: Collection[str]) -> Iterator[tuple[str, str]]:
@@ -225,6 +224,11 @@ def pairs(context: Context) -> tuple[Pair, ...]:
     return () if found is None else tuple(found.pairs.values())
 
 
+def both_ways(context: Context) -> Iterator[Pair]:
+    """Yield the pairs, and after each the same turned round: which of two is wrong is not known."""
+    return (way for pair in context.once(pairs) for way in (pair, pair.turned))
+
+
 def symmetry(context: Context) -> Symmetry | None:
     """What is symmetric about a robot; None where the description cannot be read, or nothing is. Names propose pairs. A
     pair is confirmed if at q = 0 each frame's origin is at the mirror image of the other's, within 2e-3 of the robot's
@@ -304,7 +308,7 @@ class _Content(NamedTuple):
     S_right: Floats | None = None
 
     def agrees(self, D: Floats, t: Floats) -> bool:
-        moments = self.S is None or self.S_right is None or _apart(product(D, self.S, D.T), self.S_right) <= MOMENTS
+        moments = self.S is None or self.S_right is None or apart(product(D, self.S, D.T), self.S_right) <= MOMENTS
         return moments and length(product(D, self.left) + t - self.right) <= self.near
 
 
@@ -333,12 +337,15 @@ def _by_contents(
     p: Mapping[str, Floats],
 ) -> tuple[Pair, Floats | None]:
     """The pair as what its links have tells: as it is, one part mounted on both sides, or with the right frame turned
-    back by the rotation given: then more of what it carries is the image, or all if it may be one part."""
+    back by the rotation given: then more of what it carries is the image, or all if it may be one part. What links have
+    is carried by the isometry that is nearest to the one that is there."""
     left, right = pair.left.name, pair.right.name
+    fit = [D for D in _SQUARE if replace(pair, D=D).agrees(has)]
     S, rotation = (
-        _other_axes(pair, has, among) if among is _REFLECTIONS or is_square(pair.D) else None
-        for among in (_REFLECTIONS, _ROTATIONS)
+        max((D for D in fit if np.linalg.det(D) * sign > 0), key=lambda D: float((D * pair.D).sum()), default=None)
+        for sign in (-1, 1)
     )
+    rotation = rotation if is_square(pair.D) else None
     if S is not None:
         back = product(plane.H, R[left], S.T, R[right].T)
         steps = [(plane.image(p[one]) - p[right], p[its] - p[right]) for one, its in inside]
@@ -346,12 +353,6 @@ def _by_contents(
         if now < then if inside and rotation is None else then == len(inside) and (inside or rotation is None):
             return replace(pair, D=S), back
     return (pair if rotation is None else replace(pair, D=rotation)), None
-
-
-def _other_axes(pair: Pair, has: Sequence[_Content], among: Sequence[Floats]) -> Floats | None:
-    """Which of these carries all that one link has to what its twin has, being nearest to the one that is there."""
-    fit = [D for D in among if replace(pair, D=D).agrees(has)]
-    return max(fit, key=lambda D: float((D * pair.D).sum()), default=None)
 
 
 def _mirror(named: Sequence[Names], p: Mapping[str, Floats], above: Mapping[str, Joint], near: float) -> Plane | None:
@@ -426,7 +427,7 @@ class Twins:
     def apart(self, left: Floats, right: Floats) -> float:
         """Relative distance of moments by mass, or as they stand, so that a wrong mass alone sets none apart."""
         mass, mass_right = self.masses
-        return min(_apart(left, right), _apart(mass * left, mass_right * right))
+        return min(apart(left, right), apart(mass * left, mass_right * right))
 
     @property
     def tensors_apart(self) -> float:
@@ -464,20 +465,14 @@ def twins(context: Context) -> tuple[Twins, ...]:
     """Return the pairs of which both links have mass, and each turned round: the left link stands for the right one;
     but one alone where the inertial of the one link is farther from the solid of its shapes. From stage MODEL on."""
     found = []
-    for pair in context.once(pairs):
-        left, right = (_from_shapes(context, link) for link in (pair.left, pair.right))
-        ways = [pair, pair.turned]
-        if left is not None and right is not None:
-            ways = [
-                way
-                for way, near, far in ((pair, left, right), (pair.turned, right, left))
-                if near <= _FARTHER * far + _LITTLE
-            ]
-        for way in ways:
-            one, its, link = way.left.inertial, way.right.inertial, context.view.link[way.right.name]
-            if one is not None and its is not None and link.inertial is not None and one.mass > 0 and its.mass > 0:
-                (c, I), (c_right, I_right), masses = way.reflected(one), link_inertia(its), (one.mass, its.mass)
-                found.append(Twins(way, link, link.inertial, masses, c, I / one.mass, c_right, I_right / its.mass))
+    for pair in both_ways(context):
+        one, its, link = pair.left.inertial, pair.right.inertial, context.view.link[pair.right.name]
+        near, far = (_from_shapes(context, each) for each in (pair.left, pair.right))
+        if near is not None and far is not None and near > _FARTHER * far + _LITTLE:
+            continue
+        if one is not None and its is not None and link.inertial is not None and one.mass > 0 and its.mass > 0:
+            (c, I), (c_right, I_right), masses = pair.reflected(one), link_inertia(its), (one.mass, its.mass)
+            found.append(Twins(pair, link, link.inertial, masses, c, I / one.mass, c_right, I_right / its.mass))
     return tuple(found)
 
 
@@ -494,6 +489,7 @@ def _shift(I: Floats) -> float:
     return MOMENTS * float(np.sqrt(max(np.trace(I), 0.0) / 2.0)) + _FLOOR
 
 
-def _apart(one: Floats, other: Floats) -> float:
+def apart(one: Floats, other: Floats) -> float:
+    """The largest difference of two tensors, relative to the largest of their entries."""
     largest = max(np.abs(one).max(), np.abs(other).max())
     return float(np.abs(one - other).max() / largest) if largest else 0.0

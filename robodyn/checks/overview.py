@@ -35,15 +35,6 @@ class Branch:
     joint: Joint | None
 
 
-@dataclass(frozen=True)
-class Meshes:
-    """How often meshes are named, how many names there are, and the first place of each that has no file."""
-
-    references: int
-    names: int
-    missing: tuple[tuple[str, Geometry], ...]
-
-
 @dataclass(frozen=True, eq=False)
 class Overview:
     """A description at a glance.
@@ -57,6 +48,7 @@ class Overview:
         mass: of all links [kg]; inf beyond the range of numbers.
         com: [m], or None without mass.
         at: the coordinates at which it is taken, each zero or the limit nearest to zero [rad or m].
+        meshes: how often they are named, how many names there are; missing: the first place of each without a file.
         notes: why there is no centre of mass, and which joints are beyond their limits all the same; of formats other
             than URDF those of the model, too: what they say beyond."""
 
@@ -74,7 +66,8 @@ class Overview:
     com: Array | None
     at: Mapping[str, float]
     notes: tuple[str, ...]
-    meshes: Meshes
+    meshes: tuple[int, int]
+    missing: Sequence[tuple[str, Geometry]]
     checked: Checked
     next: tuple[str, ...]
 
@@ -114,9 +107,16 @@ def overview(
     first = {use[1].filename or "": use for use in reversed(uses)}
     missing = [use for use in uses if first[use[1].filename or ""] is use]
     missing = [use for use in missing if description.search.find(use[1].filename or "") is None]
-    meshes = Meshes(len(uses), len(first), tuple(missing))
     mass, com, notes = _centre(description, model, at)
     checked = check_description(description, Options(package_path=folders))
+    file = "-" if isinstance(path, bytes) else shlex.quote(path)
+    commands = [f"robodyn check {file}"] if checked.findings else []
+    if any(_PACKAGE.match(geometry.filename or "") for _, geometry in missing):
+        commands.append(f"robodyn info {file} --package-path DIR")
+    if description.massive and model.n:
+        commands += [f"robodyn fbd {file}", f"robodyn torques {file} motion.csv --example --report report.html"]
+    elif uses:
+        commands.append(f"robodyn inertia {file} --link NAME --geometry visual")
     return Overview(
         name=description.name,
         file=description.file,
@@ -132,9 +132,10 @@ def overview(
         com=com,
         at=at,
         notes=notes if description.format == "urdf" else (*notes, *model.notes),
-        meshes=meshes,
+        meshes=(len(uses), len(first)),
+        missing=missing,
         checked=checked,
-        next=_next("-" if isinstance(path, bytes) else path, model, checked, meshes, description),
+        next=tuple(commands),
     )
 
 
@@ -166,15 +167,3 @@ def branches(description: Description) -> Iterator[Branch]:
         link = links[name]
         yield Branch(name, link.line, depth, link.inertial.mass if link.inertial else None, carrier)
         waiting += [(depth + 1, joint.child, joint) for joint in reversed(carried.get(name, []))]
-
-
-def _next(source: str, model: Model, checked: Checked, meshes: Meshes, description: Description) -> tuple[str, ...]:
-    file = shlex.quote(source)
-    commands = [f"robodyn check {file}"] if checked.findings else []
-    if any(_PACKAGE.match(geometry.filename or "") for _, geometry in meshes.missing):
-        commands.append(f"robodyn info {file} --package-path DIR")
-    if description.massive and model.n:
-        commands += [f"robodyn fbd {file}", f"robodyn torques {file} motion.csv --example --report report.html"]
-    elif meshes.names:
-        commands.append(f"robodyn inertia {file} --link NAME --geometry visual")
-    return tuple(commands)

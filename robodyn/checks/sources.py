@@ -124,7 +124,7 @@ def _has_srdf(urdf: Path, srdf: Path) -> bool:
         own = srdf_of(str(urdf), read_document(urdf).root.get("name"))
     except DescriptionError:
         return False
-    return own is not None and os.path.samefile(own, srdf)
+    return own is not None and os.path.samefile(own.file, srdf)
 
 
 def files_of(sources: Sequence[str | os.PathLike[str] | bytes], including: bool = False) -> list[str | bytes]:
@@ -151,7 +151,11 @@ def files_of(sources: Sequence[str | os.PathLike[str] | bytes], including: bool 
 
 def _expanded(path: str, including: bool) -> list[str]:
     if os.path.isdir(path):
-        urdfs, xacros = ([os.path.join(path, name) for name in _below(path, suffix)] for suffix in (".urdf", ".xacro"))
+        below = []
+        for folder, inner, names in os.walk(path):  # links to folders, which may lead anywhere, are not followed
+            inner[:] = [name for name in inner if name[0] != "."]
+            below += [os.path.join(folder, name) for name in names if name[0] != "."]
+        urdfs, xacros = ([file for file in sorted(below) if file.endswith(suffix)] for suffix in (".urdf", ".xacro"))
         if not urdfs and not xacros:
             raise InputError("no .urdf and no .xacro in the folder", remedy="check the name", file=path)
         above = includers(Path(file).absolute() for file in xacros)
@@ -173,15 +177,6 @@ def _expanded(path: str, including: bool) -> list[str]:
     if not names:
         raise InputError("nothing matches the pattern", remedy="check the name", file=path)
     return names
-
-
-def _below(folder: str, suffix: str) -> list[str]:
-    """The names of files below a folder; links to folders, which may lead anywhere, are not followed."""
-    found = []
-    for path, inner, files in os.walk(folder):
-        inner[:] = [name for name in inner if name[0] != "."]
-        found += [os.path.join(path, name) for name in files if name.endswith(suffix) and name[0] != "."]
-    return sorted(os.path.relpath(name, folder) for name in found)
 
 
 def worth_processes(files: Sequence[str | bytes]) -> bool:

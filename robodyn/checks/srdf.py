@@ -37,20 +37,25 @@ class Named(NamedTuple):
     attribute: str
 
 
-def srdf_of(file: str, robot: str | None) -> Path | None:
-    """Return the SRDF of the description's name in `_BESIDE`, or the only one there, if it is for this robot."""
+def srdf_of(file: str, robot: str | None) -> Document | None:
+    """Return the SRDF of the description's name in `_BESIDE`, or the only one there, if it is for this robot; None
+    without one, or where it cannot be read, no fault of the robot's."""
     folder = Path(file).parent
     if not os.path.isfile(file):
         return None
     for same in (folder / sub / f"{Path(file).stem}.srdf" for sub in _BESIDE):
-        if _readable(same):
-            return same
-    for sub in _BESIDE if robot else ():
-        found = [*(folder / sub).glob("*.srdf")]
-        document = _document(found[0]) if len(found) == 1 and _readable(found[0]) else None
-        if document is not None and document.root.get("name") == robot:
-            return found[0]
-    return None
+        if os.path.isfile(same):
+            return _document(same)
+    alone = (found[0] for sub in _BESIDE if len(found := [*(folder / sub).glob("*.srdf")]) == 1)
+    documents = (_document(path) for path in alone if robot)
+    return next((each for each in documents if each is not None and each.root.get("name") == robot), None)
+
+
+def _document(path: Path) -> Document | None:
+    try:
+        return read_document(path) if path.stat().st_size < _MOST_READ else None
+    except (OSError, DescriptionError):
+        return None
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,11 +80,10 @@ class Srdf:
 
 
 def srdf(context: Context) -> Srdf | None:
-    """The SRDF of a description; None without one, or where it cannot be read, no fault of the robot's."""
+    """The SRDF of a description (see `srdf_of`)."""
     file, view = context.reading.file, context.view
-    path = srdf_of(file, view.root.get("name"))
-    document = None if path is None else _document(path)
-    if path is None or document is None:
+    document = srdf_of(file, view.root.get("name"))
+    if document is None:
         return None
     virtual = {_FREE_BASE, *(child.get("name") for child in document.root.findall("virtual_joint"))}
     used = list[Named]()
@@ -96,24 +100,10 @@ def srdf(context: Context) -> Srdf | None:
     for each in used:
         if each.name not in (view.link if each.kind == "link" else view.joint):
             missing.setdefault((each.kind, each.name), each)
-    return Srdf(document, path.stem == Path(file).stem, tuple(used), tuple(missing.values()))
+    return Srdf(document, Path(document.file).stem == Path(file).stem, tuple(used), tuple(missing.values()))
 
 
 def own_srdf(context: Context) -> Srdf | None:
     """The SRDF, unless it is another robot's, of which RD706 tells."""
     found = context.once(srdf)
     return None if found is None or found.is_of_another else found
-
-
-def _document(path: Path) -> Document | None:
-    try:
-        return read_document(path)
-    except DescriptionError:
-        return None
-
-
-def _readable(path: Path) -> bool:
-    try:
-        return path.is_file() and path.stat().st_size < _MOST_READ
-    except OSError:
-        return False

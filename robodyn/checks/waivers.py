@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_left
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -68,8 +68,8 @@ def waivers(context: Context) -> tuple[Waiver, ...]:
     reading, found = context.reading, list[Waiver]()
     if reading.robot is None or b"robodyn:" not in reading.data:
         return ()
-    places = _Places(reading)
-    for comment in _WAIVER.finditer(reading.data):
+    comments = list(_WAIVER.finditer(reading.data))
+    for comment, place in zip(comments, _places(reading, [one.start() for one in comments]), strict=True):
         text = " ".join(comment.group(1).decode(reading.encoding).split())
         allow = _ALLOW.fullmatch(text)
         codes = tuple(code.strip() for code in allow.group(1).split(",")) if allow else ()
@@ -79,7 +79,7 @@ def waivers(context: Context) -> tuple[Waiver, ...]:
         rest = _REST.match(reading.data, at.end)
         alone = rest is not None and reading.data[start - 1 : start] in (b"\n", b"\r")
         erased = start, rest.end() if alone and rest else at.end
-        found.append(Waiver(at, text, codes, allow.group(2) if allow else "", erased, *places.about(at)))
+        found.append(Waiver(at, text, codes, allow.group(2) if allow else "", erased, *place))
     return tuple(found)
 
 
@@ -108,37 +108,27 @@ def waived(
     return kept, [(waiver, code) for k, waiver, code in codes if not used[code][k]]
 
 
-class _Places:
-    """What the comments of a file are about, asked in their order; what is before one on its line is looked at once."""
-
-    def __init__(self, reading: Document) -> None:
-        blank = _COMMENT.sub(lambda comment: _IN_LINE.sub(b" ", comment[0]), reading.data)
-        self._text = blank.replace(b"\r", b"\n")
-        elements = list(reading.root.walk())
-        self._starts = [element.start for element in elements]
-        self._with_tag: dict[str, list[int]] = {}
-        for k, element in enumerate(elements):
-            self._with_tag.setdefault(element.tag, []).append(k)
-        after = {id(elements[0]): len(blank)}  # where the next element begins that is not within this one
-        for element in elements:
-            following = [*(child.start for child in element.children[1:]), after[id(element)]]
-            after.update(zip(map(id, element.children), following, strict=False))
-        self._ends = [after[id(element)] for element in elements]
-        self._seen, self._written = 0, False
-        self._closed: re.Match[bytes] | None = None
-
-    def about(self, at: Span) -> tuple[int, int]:
-        """Return the bytes from the element that a comment is about to the next element outside it."""
-        _, line, written = self._text[self._seen : at.start].rpartition(b"\n")
-        self._seen, written = at.start, written.rstrip()
+def _places(reading: Document, comments: Iterable[int]) -> Iterator[tuple[int, int]]:
+    """Yield for each comment, by its start, the bytes from the element that it is about to the next element outside
+    it; what is before one on its line is looked at once."""
+    blank = _COMMENT.sub(lambda comment: _IN_LINE.sub(b" ", comment[0]), reading.data)
+    text, elements, with_tag = blank.replace(b"\r", b"\n"), list(reading.root.walk()), dict[str, list[int]]()
+    starts = [element.start for element in elements]
+    for k, element in enumerate(elements):
+        with_tag.setdefault(element.tag, []).append(k)
+    after = {id(elements[0]): len(blank)}  # where the next element begins that is not within this one
+    for element in elements:
+        following = [*(child.start for child in element.children[1:]), after[id(element)]]
+        after.update(zip(map(id, element.children), following, strict=False))
+    seen, behind_a_tag, closed = 0, False, None
+    for comment in comments:
+        _, line, written = text[seen:comment].rpartition(b"\n")
+        seen, written = comment, written.rstrip()
         if line or written:
-            self._written, self._closed = bool(written), _END_TAG.fullmatch(written[written.rfind(b"<") :])
-        first = k = bisect_left(self._starts, at.start)
-        if self._written:
-            closed = self._closed
-            of_tag = range(first) if closed is None else self._with_tag.get(closed.group(1).decode("latin-1"), ())
+            behind_a_tag, closed = bool(written), _END_TAG.fullmatch(written[written.rfind(b"<") :])
+        first = k = bisect_left(starts, comment)
+        if behind_a_tag:
+            of_tag = range(first) if closed is None else with_tag.get(closed.group(1).decode("latin-1"), ())
             before = bisect_left(of_tag, first)
             k = of_tag[before - 1] if before else first
-        if k == len(self._starts):
-            return len(self._text), len(self._text)
-        return self._starts[k], self._ends[k]
+        yield (len(text), len(text)) if k == len(starts) else (starts[k], after[id(elements[k])])

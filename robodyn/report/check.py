@@ -347,14 +347,11 @@ def overview_sections(found: Overview) -> Iterator[doc.Section]:
     mass = f"mass: {number(found.mass)} kg{centre}"
     yield doc.paragraphs([*lines, freedoms, mass, *(f"note: {note}" for note in found.notes)])
     yield [tree_table(branches)]
-    meshes = found.meshes
-    missing = len(meshes.missing)
-    lines = (
-        [f"meshes: {meshes.references} in {count(meshes.names, 'file')}, "] if meshes.references else ["meshes: none"]
-    )
-    if meshes.references:
-        lines[0] += f"{missing} not found:" if missing else "all found"
-    for link, geometry in meshes.missing[:_MOST_MISSING]:
+    references, files = found.meshes
+    missing = len(found.missing)
+    state = f"{missing} not found:" if missing else "all found"
+    lines = [f"meshes: {references} in {count(files, 'file')}, {state}" if references else "meshes: none"]
+    for link, geometry in found.missing[:_MOST_MISSING]:
         lines.append(f"  {geometry.filename} (link {shown(link)}, line {geometry.line})")
     lines += [f"  and {missing - _MOST_MISSING} more"] if missing > _MOST_MISSING else []
     yield doc.paragraphs([*lines, f"check: {check_line(found.checked)}"])
@@ -414,7 +411,7 @@ def overview_json(found: Overview) -> str:
     keys, joints = f"name line type parent child axis {limits} mimic[joint multiplier offset]", []
     for joint in (branch.joint for branch in found.branches if branch.joint):
         joints.append(doc.select(joint, keys, axis=None if joint.type in ("fixed", "floating") else joint.axis))
-    missing = [{"link": link, **doc.select(each, "kind filename line")} for link, each in found.meshes.missing]
+    missing = [{"link": link, **doc.select(each, "kind filename line")} for link, each in found.missing]
     return doc.written(
         doc.select(
             found,
@@ -423,7 +420,7 @@ def overview_json(found: Overview) -> str:
             counts=counts,
             at_zero=not found.moved,
             joints=joints,
-            meshes=doc.select(found.meshes, "references files:names missing", missing=missing),
+            meshes={"references": found.meshes[0], "files": found.meshes[1], "missing": missing},
             check=check_data(found.checked),
         )
     )

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import click
 import pytest
-from helpers.command_line import ROBOTS, Outcome, refused, run, shown, spawn, write_arm
+from helpers.command_line import ROBOTS, Outcome, refused, run, shown, write_arm
 
 from robodyn.checks.catalogue import CODES
 from robodyn.cli.main import COMMANDS
@@ -84,7 +84,6 @@ CALLS: dict[str, str] = {
     "or .npz)",
     "torques arm.urdf arm.csv --out ''": "'': unknown type of table by this suffix",
     "torques arm.urdf arm.csv --out arm.csv": "arm.csv: the output would overwrite an input (give --out another name)",
-    "torques arm.urdf arm.csv --out ./arm.urdf": "./arm.urdf: the output would overwrite an input",
     "torques arm.urdf arm.csv --out 'nul\0.csv'": "nul\\x00.csv: cannot be written: the name has a null character",
     "torques arm.urdf arm.csv --report r.pdf": "r.pdf: unknown type of report by this suffix (name it .html or .md)",
     "torques arm.urdf arm.csv --report no/r.html": "no/r.html: cannot be written: there is no such folder",
@@ -96,7 +95,6 @@ CALLS: dict[str, str] = {
     "export arm.urdf --to casadi --out platform.py": f"platform.py: {HIDES} platform, which ",
     # files of another kind, or none
     "torques arm.csv arm.urdf": SWAPPED + ORDER,
-    "accuracy arm.csv arm.urdf": SWAPPED + "robodyn accuracy MESH|URDF TRAJECTORY|URDF SCENE.toml)",
     "torques arm.urdf arm.urdf": "arm.urdf: this is a robot description, and a table is expected here (the order: ",
     "torques arm.urdf scene.toml": "scene.toml: this is a scene, and a table is expected here (the order: ",
     "torques part.stl arm.csv": "part.stl: this is a mesh, and a robot description is expected here (the order: ",
@@ -211,7 +209,6 @@ CALLS: dict[str, str] = {
     # many trajectories
     "torques arm.urdf arm.csv more.csv": "many trajectories need --out FOLDER for their results (try: robodyn torques ",
     "torques arm.urdf arm.csv more.csv --out arm.urdf": "arm.urdf: is a file, many trajectories need a folder (give --",
-    "torques arm.urdf arm.csv more.csv --out .": "arm.csv: the output would overwrite an input (give --out another ",
     "torques arm.urdf arm.csv more.csv --out r --report r.html": "--report is of one trajectory",
     "torques arm.urdf *.txt --out r": "*.txt: no file fits this pattern",
     "torques - arm.csv more.csv --out r": "<stdin>: standard input serves one trajectory (name files",
@@ -242,10 +239,6 @@ def test_call(call: str) -> None:
     before = sorted(Path().iterdir())
     refused(run(*shlex.split(call)), CALLS[call])
     assert sorted(Path().iterdir()) == before
-
-
-def test_the_same_in_a_process_of_its_own(tmp_path: Path) -> None:
-    refused(spawn("torques", "arm.urdf", "no.csv", cwd=tmp_path), "no.csv: cannot be read: no such file")
 
 
 def test_a_fault_of_the_program_is_one_line_too(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -295,28 +288,6 @@ def test_every_option_says_what_it_is_for() -> None:
 
 def test_version() -> None:
     assert run("--version") == Outcome(0, f"robodyn {version('robodyn')}\n", "")
-
-
-WRONG_SCENES: dict[str, str] = {
-    "[motor]\nelbw = { gear = 9, inertia = 1 }": "[motor]: the robot has no joint 'elbw' that moves (did you mean",
-    "[motor]\nupper = { gear = 9 }": "[motor]: the robot has no joint 'upper' that moves (joints: 'shoulder', 'elbow')",
-    "[rotor]\nelbw = { inertia = 1 }": "[rotor]: the robot has no joint 'elbw' that moves (did you mean 'elbow'?)",
-    "frcition = {}": 'the scene: unknown key "frcition" (valid keys: ',
-    "gravity = 9.81": 'the scene: "gravity" is 9.81, not 3 numbers (write gravity = [x, y, z])',
-    'base = "moving"': "[base] is 'moving', not a table (write [base] above lines of key = value)",
-    "[friction]\nelbow = 1": "[friction] elbow is 1, not a table (write elbow = { key = value })",
-    "payload = [1]": "[[payload]] number 1 is 1, not a table (write [[payload]] above lines of key = value)",
-    "joint_limits = true": 'the scene: "joint_limits" is True, not a name (one of: stop, ignore, spring)',
-}
-
-
-@pytest.mark.parametrize("text", WRONG_SCENES)
-def test_a_wrong_scene(text: str) -> None:
-    Path("scene.toml").write_text(text)
-    outcome = run(*ARM, "--scene", "scene.toml")
-    assert (outcome.status, outcome.out) == (2, "")
-    assert re.match(r"error: scene\.toml:(\d+:)? ", outcome.err)
-    assert WRONG_SCENES[text] in outcome.err
 
 
 @pytest.mark.parametrize("table", TABLES)

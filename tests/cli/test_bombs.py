@@ -1,17 +1,24 @@
-"""Small files that ask for much are refused with one line, within a minute of processor and 500 MB."""
+"""Small files that ask for much and inputs that never end: one line, within a minute of processor and 500 MB."""
 
 from __future__ import annotations
 
 import os
+import zipfile
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
+from threading import Thread
 
+import numpy as np
 import pytest
 from helpers.bombs import FEWER, MOST, TABLES, TOML, WAIVERS, Bounded, Command, bounded_commands, write_bomb
-from helpers.command_line import write_arm
+from helpers.command_line import refused, run, write_arm
 from helpers.sampled import sampled
 
-pytestmark = pytest.mark.skipif(os.name != "posix", reason="needs limits of the system")
+from robodyn.support.input_file import VARIABLE
+from robodyn.trajectory.formats import table
+
+pytestmark = pytest.mark.skipif(os.name != "posix", reason="needs limits of the system, devices and pipes")
 COUNTED = {"values.yaml", "documents.yaml", "records.mcap", "lines.csv", "publishers.json", "values.json"}
 """What is refused only after much of it is counted: by default beyond fewer, some under `slow` beyond the usual."""
 USES = [(name, use) for use in ("scene", "settings", "map") for name in TOML]
@@ -19,8 +26,9 @@ OFTEN = [pytest.param(*each, marks=[pytest.mark.slow] * (each[1] != "scene" and 
 
 
 @pytest.fixture(autouse=True)
-def _folder(tmp_path: Path) -> None:
+def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     write_arm(tmp_path)
+    monkeypatch.chdir(tmp_path)
 
 
 @pytest.fixture(scope="module")
@@ -29,7 +37,7 @@ def bounded() -> Iterator[Command]:
         yield run
 
 
-def refused(outcome: Bounded, name: str) -> None:
+def refused_within_bounds(outcome: Bounded, name: str) -> None:
     assert outcome.status == 2, outcome
     assert outcome.err.count("\n") == 1, outcome.err
     assert outcome.err.startswith(f"error: {name}"), outcome.err
@@ -38,38 +46,101 @@ def refused(outcome: Bounded, name: str) -> None:
 
 
 @pytest.mark.parametrize("name", sampled(TABLES, 4))
-def test_tables(name: str, tmp_path: Path, bounded: Command) -> None:
-    write_bomb(tmp_path / name)
-    refused(bounded("torques", "arm.urdf", name, cwd=tmp_path, limits=FEWER if name in COUNTED else ""), name)
+def test_tables(name: str, bounded: Command) -> None:
+    write_bomb(Path(name))
+    refused_within_bounds(bounded("torques", "arm.urdf", name, limits=FEWER if name in COUNTED else ""), name)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["values.json", "values.yaml", "lines.csv"])
-def test_tables_beyond_the_usual_limits(name: str, tmp_path: Path, bounded: Command) -> None:
-    write_bomb(tmp_path / name)
-    refused(bounded("torques", "arm.urdf", name, cwd=tmp_path), name)
+def test_tables_beyond_the_usual_limits(name: str, bounded: Command) -> None:
+    write_bomb(Path(name))
+    refused_within_bounds(bounded("torques", "arm.urdf", name), name)
 
 
 @pytest.mark.parametrize(("name", "use"), sampled(OFTEN, 3))
-def test_scenes_and_settings(name: str, use: str, tmp_path: Path, bounded: Command) -> None:
-    (tmp_path / ("robodyn.toml" if use == "settings" else "x.toml")).write_bytes(TOML[name])
+def test_scenes_and_settings(name: str, use: str, bounded: Command) -> None:
+    Path("robodyn.toml" if use == "settings" else "x.toml").write_bytes(TOML[name])
     if use == "settings":
-        refused(bounded("check", "arm.urdf", cwd=tmp_path), "")
+        refused_within_bounds(bounded("check", "arm.urdf"), "")
     else:
         said = {"scene": "x.toml", "map": "invalid value for '--map'"}[use]
-        refused(bounded("torques", "arm.urdf", "arm.csv", f"--{use}", "x.toml", cwd=tmp_path), said)
+        refused_within_bounds(bounded("torques", "arm.urdf", "arm.csv", f"--{use}", "x.toml"), said)
 
 
-def test_settings_of_others(tmp_path: Path, bounded: Command) -> None:
+def test_settings_of_others(bounded: Command) -> None:
     """A pyproject.toml that does not name us is none of our business."""
-    (tmp_path / "pyproject.toml").write_bytes(TOML["keys"])
-    assert bounded("check", "arm.urdf", cwd=tmp_path).status == 0
+    Path("pyproject.toml").write_bytes(TOML["keys"])
+    assert bounded("check", "arm.urdf").status == 0
 
 
 @pytest.mark.slow
-def test_waivers_on_one_line(tmp_path: Path, bounded: Command) -> None:
+def test_waivers_on_one_line(bounded: Command) -> None:
     """Time grows with their number, not with its square."""
-    (tmp_path / "r.urdf").write_text(WAIVERS)
-    outcome = bounded("check", "r.urdf", cwd=tmp_path)
+    Path("r.urdf").write_text(WAIVERS)
+    outcome = bounded("check", "r.urdf")
     assert outcome.status == 0, outcome.err[:500]
     assert outcome.memory < MOST
+
+
+SIMULATE = ("--duration", "0.01", "--step", "0.005")
+CALLS = [
+    ("check", "x.urdf"),
+    ("torques", "arm.urdf", "arm.csv", "--scene", "x.toml"),
+    ("simulate", "arm.urdf", "--scene", "x.toml", *SIMULATE),
+    ("inertia", "x.stl", "--type", "stl"),
+]
+
+
+@pytest.mark.parametrize("call", CALLS, ids=" ".join)
+def test_a_pipe_without_end(call: tuple[str, ...], monkeypatch: pytest.MonkeyPatch) -> None:
+    """As `<(yes)` of shells, which the user has typed."""
+    monkeypatch.setenv(VARIABLE, "file_bytes=5000,stream_bytes=5000")
+    reader, writer = os.pipe()
+
+    def write() -> None:
+        with suppress(BrokenPipeError), open(writer, "wb", buffering=0) as stream:
+            while True:
+                stream.write(b"0" * 5000)
+
+    thread = Thread(target=write, daemon=True)
+    thread.start()
+    outcome = run(*(f"/dev/fd/{reader}" if word.startswith("x.") else word for word in call))
+    os.close(reader)
+    thread.join(5.0)
+    assert not thread.is_alive()
+    refused(outcome, "")
+    assert "5000" in outcome.err, outcome.err
+
+
+def test_standard_input_without_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(VARIABLE, "file_bytes=5000,stream_bytes=5000")
+    for call in (("check", "-"), ("torques", "arm.urdf", "arm.csv", "--scene", "-"), ("torques", "arm.urdf", "-")):
+        refused(run(*call, stdin=b"0" * 6000), "<stdin>: too many bytes")
+
+
+def test_a_pipe_that_is_typed_is_read() -> None:
+    reader, writer = os.pipe()
+    os.write(writer, Path("arm.urdf").read_bytes())
+    os.close(writer)
+    assert run("info", f"/dev/fd/{reader}").status == 0
+    os.close(reader)
+
+
+@pytest.mark.parametrize("kind", ["npz", "parquet"])
+def test_a_table_that_holds_far_more_than_it_weighs(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(table, "_EXPANDED", 1 << 16)
+    names = ["time", "q_shoulder", "q_elbow"]
+    if kind == "npz":
+        with zipfile.ZipFile("x.npz", "w", zipfile.ZIP_DEFLATED) as archive:
+            for name in names:
+                with archive.open(f"{name}.npy", "w") as stream:
+                    np.lib.format.write_array(stream, np.zeros(500_000))
+    else:
+        import pyarrow as pa
+        import pyarrow.parquet as pq
+
+        pq.write_table(pa.table({name: np.zeros(500_000) for name in names}), "x.parquet")
+    outcome = run("torques", "arm.urdf", f"x.{kind}")
+    refused(outcome, f"x.{kind}:")
+    assert "bytes that hold 12000" in outcome.err

@@ -116,10 +116,9 @@ def test_a_pull_request_is_told_how_its_dynamics_differ(runner: Any, tmp_path: P
     text = json.loads(body)["body"]
     assert text.startswith("<!-- robodyn check -->\n### Dynamics against the base\n````text\nclean.urdf: ")
     assert text.endswith("\n````\n")
-    _, _, written = runner(**asked, EARLIER="41")
-    assert "--method PATCH repos/a/b/issues/comments/41 --input" in written["calls"]
     (work / "clean.urdf").write_text(arm())
     _, _, written = runner(**asked, EARLIER="41")
+    assert "--method PATCH repos/a/b/issues/comments/41 --input" in written["calls"]
     assert "The dynamics are those of the base." in written["calls"]
     status, lines, _ = runner(**asked, FORK="1")
     assert (status, lines[0].split("::")[1]) == (0, "notice title=robodyn")

@@ -40,9 +40,16 @@ def test_report() -> None:
     assert all(float(line[1]) > 10 and float(line[3]) < 1e-13 for line in lines)
 
 
-def test_table_and_document(tmp_path: Path) -> None:
-    out = tmp_path / "pump.csv"
-    loops = json.loads(simulate(*PUMP, "--duration", "0.1", "--out", str(out), "--format", "json"))["loops"]
+@pytest.fixture(scope="module")
+def pumped(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
+    """The table of a simulation, and what it says."""
+    out = tmp_path_factory.mktemp("pump") / "pump.csv"
+    return out, simulate(*PUMP, "--duration", "0.1", "--out", str(out), "--format", "json")
+
+
+def test_table_and_document(pumped: tuple[Path, str]) -> None:
+    out, text = pumped
+    loops = json.loads(text)["loops"]
     assert (loops["equations"], loops["dropped"], loops["rank"], loops["freedoms"]) == (3, ["wrist_pin along y"], 2, 1)
     (pin,) = loops["closures"]
     header = out.read_text().splitlines()[0].split(",")
@@ -56,10 +63,9 @@ def test_table_and_document(tmp_path: Path) -> None:
     assert -pin["final"]["fx"] == pytest.approx(push, rel=1e-9)
 
 
-def test_torques_refuse_a_table_of_a_closed_chain(tmp_path: Path) -> None:
+def test_torques_refuse_a_table_of_a_closed_chain(pumped: tuple[Path, str]) -> None:
     """The open tree's torques have nothing to do with those that drive the chain."""
-    out = tmp_path / "pump.csv"
-    simulate(*PUMP, "--duration", "0.1", "--out", str(out))
+    out, _ = pumped
     said = (
         f"{out}:1: columns 'fx_wrist_pin' to 'mz_wrist_pin' are what simulate writes of a loop, and the scene "
         "has no loop of that name: the torques would be those of the open tree (give --scene with its [[loop]]; if "
@@ -68,10 +74,9 @@ def test_torques_refuse_a_table_of_a_closed_chain(tmp_path: Path) -> None:
     refused(run("torques", PUMP[0], str(out), "--ignore-extra"), said)
 
 
-def test_torques_of_a_simulation_with_its_own_scene(tmp_path: Path) -> None:
+def test_torques_of_a_simulation_with_its_own_scene(pumped: tuple[Path, str], tmp_path: Path) -> None:
     """The joints of [drive] drive, and what they did comes back; the columns of the loop's wrench are known."""
-    table, out = tmp_path / "pump.csv", tmp_path / "tau.csv"
-    simulate(*PUMP, "--duration", "0.1", "--out", str(table))
+    table, out = pumped[0], tmp_path / "tau.csv"
     text = shown("torques", PUMP[0], str(table), *PUMP[1:], "--out", str(out))
     assert "1 degree of freedom; main drives.\nAll torques are determined" in text
     names = out.read_text().splitlines()[0].split(",")

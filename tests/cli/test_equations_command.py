@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-import json
 import re
 
 import numpy as np
 import pytest
 import sympy
-from helpers.command_line import ROBOTS, shown
+from helpers.command_line import ROBOTS, document, shown
 from helpers.example_robots import path_of
 from helpers.small_robots import joint, link, urdf
 
 import robodyn
 
 PUMA, GRIPPER, PLANAR = (str(ROBOTS / f"{name}.urdf") for name in ("puma", "gripper", "two_link_planar"))
+SCARA, FREE = (str(ROBOTS / f"{name}.urdf") for name in ("scara", "rigid_body"))
 SCENE = ("--scene", str(ROBOTS / "gripper.toml"))
-SCARA, GRIPPER, FREE = (str(ROBOTS / f"{name}.urdf") for name in ("scara", "gripper", "rigid_body"))
 STATE = ("--at", "0.3,-0.5,0.05", "--qd", "elbow=2", "--tau", "1,2,-14.7")
 
 
@@ -43,9 +42,7 @@ def test_whether_the_base_is_held_is_said():
 
 
 def test_json():
-    found = json.loads(
-        shown("equations", PUMA, "--at", "0.1,-0.5,0.3", "--qd", "1,0,-2", "--gravity", "0,0,-1.62", "--format", "json")
-    )
+    found = document("equations", PUMA, "--at", "0.1,-0.5,0.3", "--qd", "1,0,-2", "--gravity", "0,0,-1.62")
     model, scene = robodyn.load(PUMA), robodyn.Scene(gravity=(0, 0, -1.62))
     q, qd = found["q"], found["qd"]
     assert (q, qd) == ([0.1, -0.5, 0.3], [1, 0, -2])
@@ -56,19 +53,15 @@ def test_json():
 
 def test_a_singular_mass_matrix_is_valid_json(tmp_path):
     robot = tmp_path / "r.urdf"
-    robot.write_text(
-        '<robot name="r"><link name="a"/><link name="b"/><joint name="j" type="continuous"><parent link="a"/>'
-        '<child link="b"/></joint></robot>'
-    )
-    assert json.loads(shown("equations", str(robot), "--format", "json"))["condition"] is None
+    robot.write_bytes(urdf(link("a"), link("b"), joint("j", "a", "b", "continuous")))
+    assert document("equations", str(robot))["condition"] is None
     assert "M is singular to working precision" in shown("equations", str(robot))
 
 
 def test_closed_text_and_json_say_the_same():
-    lines = dict(
-        line.split(" = ") for line in shown("equations", PLANAR, "--form", "closed").splitlines() if "] = " in line
-    )
-    found = json.loads(shown("equations", PLANAR, "--form", "closed", "--format", "json"))
+    call = ("equations", PLANAR, "--form", "closed")
+    lines = dict(line.split(" = ") for line in shown(*call).splitlines() if "] = " in line)
+    found = document(*call)
     assert found["joints"][0] == {"name": "shoulder", "kind": "revolute", "q": "q_shoulder", "qd": "qd_shoulder"}
     pairs = [(lines["M[1,2]"], found["M"][0][1]), (lines["gravity[1]"], found["shares"]["gravity"][0])]
     pairs.append((lines["coriolis[2]"], found["shares"]["coriolis"][1]))
@@ -86,8 +79,8 @@ def dae(*call):
     return shown("equations", *call, "--form", "dae")
 
 
-def document(*call):
-    return json.loads(dae(*call, "--format", "json"))
+def dae_document(*call):
+    return document("equations", *call, "--form", "dae")
 
 
 def test_text_of_the_dae_form():
@@ -124,7 +117,7 @@ def test_text_of_the_dae_form():
 
 def test_the_document_holds_the_whole_system():
     """M, G, f and gamma put together from the document alone are solved by its accelerations and reactions."""
-    found = document(GRIPPER, "--qd", "wrist=1", "--tau", "jaw=2")
+    found = dae_document(GRIPPER, "--qd", "wrist=1", "--tau", "jaw=2")
     bodies, connections = found["bodies"], found["connections"]
     n = 6 * len(bodies)
     M, f = np.zeros((n, n)), np.array([x for body in bodies for x in body["f"]])
@@ -177,7 +170,7 @@ def test_a_robot_that_nothing_holds_back(tmp_path):
     text = dae(str(robot))
     assert "index: not defined, as accelerations and reactions do not follow from the equations" in text
     assert 'hardly anything resists "j": accelerations and reactions are not defined' in text
-    found = document(str(robot))
+    found = dae_document(str(robot))
     assert (found["qdd"], found["comparison"], found["counts"]["index"]) == (None, None, None)
 
 
@@ -194,7 +187,7 @@ def test_loops_of_a_scene():
     assert re.search(r"^L1 pin_1 +crank_1 - coupler_1 +point +- +3 +3 +x = y +Fx Fy Fz$", text, re.MULTILINE)
     assert re.search(r"^A0 +1\.2 +-1\.000 +3\.000 ", text, re.MULTILINE)
     assert re.search(r"^Both forms: against the closed chain in joint coordinates .* <1e-12 ", text, re.MULTILINE)
-    found = document(*call)
+    found = dae_document(*call)
     assert [c["kind"] for c in found["connections"][-2:]] == ["point", "point"]
     assert found["counts"]["redundant"] == [["pin_1", "Fy"], ["pin_2", "Fy"]]
     assert np.abs(np.diff(found["qd"][:3])).max() <= 1e-13

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 from helpers.command_line import motion, run
+from helpers.mesh_files import ascii_stl
+from helpers.mesh_samples import tetrahedron
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
@@ -35,10 +37,6 @@ URDF = """<robot name="arm">
 </robot>
 """
 SCENE = "gravity = [0, 0, -9.81]\n[friction.elbow]\nviscous = 0.1\ncoulomb = 0.2\n[initial.q]\nelbow = 0.1\n"
-FACET = "facet normal 0 0 0\nouter loop\nvertex {}\nvertex {}\nvertex {}\nendloop\nendfacet\n"
-O, X, Y, Z = "0 0 0", "1 0 0", "0 1 0", "0 0 1"
-FACETS = "".join(FACET.format(*corners) for corners in ((O, Y, X), (O, X, Z), (O, Z, Y), (X, Y, Z)))
-STL = f"solid part\n{FACETS}endsolid part\n"
 SIMULATE = ("simulate", "robot.urdf", "--scene", "scene.toml", "--duration", "0.01")
 COMMANDS = [
     ("check", "robot.urdf"),
@@ -53,6 +51,7 @@ COMMANDS = [
     ("linearize", "robot.urdf", "--scene", "scene.toml"),
 ]
 NUMBER = re.compile(r"(?<=[ \"\[>])-?\d+(?:\.\d+)?(?=[ \"\],<\n])")
+STL = ascii_stl(tetrahedron(((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1))), number="%g").decode()
 FILES = {"robot.urdf": URDF, "scene.toml": SCENE, "part.stl": STL}
 PLACES = [(name, *found.span()) for name, text in FILES.items() for found in NUMBER.finditer(text)]
 VISCOUS, COULOMB = [place for place in PLACES if place[0] == "scene.toml"][3:5]

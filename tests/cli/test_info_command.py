@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
+from functools import partial
 from math import sqrt
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
-from helpers.command_line import ARM, run, shown
+from helpers.command_line import ARM, document, run, shown
 
 EPS = float(np.finfo(float).eps)
 BODY = '<inertial><mass value="{mass}"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
@@ -36,9 +35,7 @@ def joint(name: str, kind: str, parent: str, child: str, rest: str = "") -> str:
     return JOINT.format(name=name, type=kind, parent=parent, child=child, rest=rest)
 
 
-def found(*call: str) -> Any:
-    text = shown("info", *call, "--format", "json")
-    return json.loads(text)
+found = partial(document, "info")
 
 
 def test_text() -> None:

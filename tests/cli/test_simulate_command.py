@@ -60,7 +60,6 @@ WRONG = [
     (("--duration", "1e30"), "", "1e+33 steps are too many (give a longer --step)"),
     (("--method", "dop853", "--step", "1"), "", "dop853 chooses its own steps (give --rtol instead of --step)"),
     (("--method", "rk4", "--rtol", "1e-9"), "", "rk4 has steps of a fixed length (give --step instead of --rtol)"),
-    (("--out", "x.xlsx"), "", "x.xlsx: unknown type of table by this suffix"),
     ((), "[drive]\nelbw = {}", "scene.toml: [drive]: the robot has no joint 'elbw' that moves (did you mean 'elbow'?)"),
     ((), "[initial]\nq = { wrist = 1 }", "scene.toml: [initial] q: the robot has no coordinate 'wrist'"),
     ((), "[initial]\nq = { elbow = 4 }", '"elbow" begins at 4, beyond its limit of 3 (begin within the limits, or'),

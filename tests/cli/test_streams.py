@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 from helpers.command_line import ARM, ROBOTS, command, motion, refused, run, spawn, write_arm
+from helpers.processes import on_terminal
 from helpers.sampled import sampled
-from helpers.terminals import on_terminal
 
 SCARA = (str(ROBOTS / "scara.urdf"), str(ROBOTS / "scara_pick_and_place.csv"))
 ESCAPE = "\x1b"

@@ -5,11 +5,10 @@ from __future__ import annotations
 import json
 import math
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
-from helpers.command_line import ARM, refused, run
+from helpers.command_line import ARM, document, refused, run
 
 GRIPPER = """
   <link name="left"><inertial><mass value="0.1"/>
@@ -41,13 +40,6 @@ def write(path: str, names: tuple[str, ...], rows: int = 40) -> None:
     columns = [time, *(0.2 * np.sin(3 * time + k) for k in range(len(names) - 1))]
     lines = [",".join(names), *(",".join(f"{x:.12g}" for x in row) for row in zip(*columns, strict=True))]
     Path(path).write_text("\n".join([*lines, ""]))
-
-
-def document(*args: str) -> dict[str, Any]:
-    outcome = run(*args, "--format", "json")
-    assert outcome.status == 0, outcome.err
-    found: dict[str, Any] = json.loads(outcome.out)
-    return found
 
 
 def test_held_joints_are_in_text_json_and_page() -> None:

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import json
 import math
 import re
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import polars as pl
 import pytest
-from helpers.command_line import ARM, ROBOTS, Outcome, motion, run, shown, write_arm
+from helpers.command_line import ARM, ROBOTS, Outcome, document, motion, run, shown, write_arm
 from helpers.oracles import EPS, worst
 from helpers.sampled import sampled
 
@@ -38,15 +36,9 @@ def files(robot: str, table: str, scene: str | None) -> list[str]:
     return [str(ROBOTS / f"{robot}.urdf"), str(ROBOTS / f"{table}.csv"), *more]
 
 
-def document(*args: str) -> dict[str, Any]:
-    text = shown("torques", *args, "--format", "json")
-    found: dict[str, Any] = json.loads(text, parse_constant=lambda name: pytest.fail(f"{name} is not JSON"))
-    return found
-
-
 @pytest.mark.parametrize(("robot", "table", "scene"), sampled([pytest.param(*each, id=each[1]) for each in CASES]))
 def test_numbers_are_those_of_the_library_to_the_last_bit(robot: str, table: str, scene: str | None) -> None:
-    found = document(*files(robot, table, scene))
+    found = document("torques", *files(robot, table, scene))
     around = load_scene(ROBOTS / f"{scene}.toml") if scene else None
     model = load(ROBOTS / f"{robot}.urdf", moving_base=bool(around and around.moving_base))
     path = ROBOTS / f"{table}.csv"
@@ -64,7 +56,7 @@ def test_numbers_are_those_of_the_library_to_the_last_bit(robot: str, table: str
 def test_absent_limits_are_null(tmp_path: Path) -> None:
     (tmp_path / "arm.urdf").write_text(re.sub("<limit[^>]*>", "", ARM).replace("revolute", "continuous"))
     (tmp_path / "arm.csv").write_text(motion(5))
-    for joint in document(str(tmp_path / "arm.urdf"), str(tmp_path / "arm.csv"))["joints"]:
+    for joint in document("torques", str(tmp_path / "arm.urdf"), str(tmp_path / "arm.csv"))["joints"]:
         limits = ("effort_limit", "effort_margin", "velocity_limit", "velocity_margin", "lower", "upper")
         assert [joint[key] for key in limits] == [None] * 6
 
@@ -75,7 +67,7 @@ def test_exceeded_limits_are_data(tmp_path: Path) -> None:
     )
     (tmp_path / "arm.csv").write_text(motion(10))
     during, never = {"time": 0.0, "seconds": 0.09}, {"time": None, "seconds": None}
-    assert document(str(tmp_path / "arm.urdf"), str(tmp_path / "arm.csv"))["limits_exceeded"] == [
+    assert document("torques", str(tmp_path / "arm.urdf"), str(tmp_path / "arm.csv"))["limits_exceeded"] == [
         {"joint": "elbow", "quantity": "velocity", "value": 0.2, "limit": 0.15, "unit": "rad/s", **during},
         {"joint": "elbow", "quantity": "position", "value": 0.2 * 9 / 100, "limit": 0.01, "unit": "rad", **never},
     ]
@@ -114,7 +106,7 @@ def test_limits_do_not_fail_unless_asked_and_at_a_limit_is_within_it(tmp_path: P
     within = outcome_with(tmp_path, "--fail-on-limits", velocity="0.2")
     assert within.status == 0
     assert "\nNo limit is exceeded.\n" in within.out
-    found = document(str(tmp_path / "arm.urdf"), str(tmp_path / "arm.csv"))["joints"][0]
+    found = document("torques", str(tmp_path / "arm.urdf"), str(tmp_path / "arm.csv"))["joints"][0]
     assert found["velocity_margin"] == found["velocity_limit"] - abs(found["max_speed"])
     assert math.fsum(found["shares"].values()) == pytest.approx(found["peak"], rel=0, abs=1e-12 * 100)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import bz2
 import json
 import os
 import sqlite3
@@ -18,8 +17,12 @@ from typing import NamedTuple
 
 import lz4.frame
 import numpy as np
+from rosbags.rosbag1 import Writer as Writer1
 from rosbags.rosbag2 import reader
 
+from helpers.bags import ROS1
+
+CompressionFormat = Writer1.CompressionFormat
 zstd = reader.zstd
 HUGE = 1 << 29
 """Bytes that a small file expands to, more than refusing one may take."""
@@ -67,7 +70,7 @@ Command = Callable[..., Bounded]
 
 @contextmanager
 def bounded_commands() -> Iterator[Command]:
-    """Run `robodyn args` in forks of one process, each with a minute of processor and 3 GB of address space."""
+    """Run `robodyn args` here, in forks of one process, each with a minute of processor and 3 GB of address space."""
     environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "ROBODYN_CACHE": "0"}
     with subprocess.Popen(
         [sys.executable, "-c", _SERVER], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=environment
@@ -75,10 +78,10 @@ def bounded_commands() -> Iterator[Command]:
         assert server.stdin is not None
         assert server.stdout is not None
 
-        def bounded(*words: str, cwd: Path, limits: str = "") -> Bounded:
-            print(json.dumps([str(cwd), limits, words]), file=server.stdin, flush=True)
+        def bounded(*words: str, limits: str = "") -> Bounded:
+            print(json.dumps([os.getcwd(), limits, words]), file=server.stdin, flush=True)
             status, memory = json.loads(server.stdout.readline())
-            return Bounded(status, (cwd / ".err").read_text(), memory << 10)
+            return Bounded(status, Path(".err").read_text(), memory << 10)
 
         yield bounded
         server.stdin.close()
@@ -116,38 +119,17 @@ def mcap(chunks: list[tuple[str, bytes, int]]) -> bytes:
     return b"".join([*parts, _record(2, bytes(20)), magic])
 
 
-def _bag1(how: bytes, data: bytes) -> bytes:
-    """Return a bag of ROS 1 with one chunk, whose index names a message in it."""
+def _bag1(how: CompressionFormat) -> Callable[[Path], None]:
+    """Write a bag of ROS 1 with one chunk of 128 MB."""
 
-    def header(**fields: bytes) -> bytes:
-        found = b"".join(_text(name.encode() + b"=" + value) for name, value in fields.items())
-        return _text(found)
+    def write(path: Path) -> None:
+        bag = Writer1(path)
+        bag.set_compression(how)
+        with bag:
+            connection = bag.add_connection("/joint_states", "sensor_msgs/msg/JointState", typestore=ROS1)
+            bag.write(connection, 1_000_000_000, bytes(1 << 27))
 
-    def u32(value: int) -> bytes:
-        return struct.pack("<I", value)
-
-    kind = b"sensor_msgs/JointState"
-    words = b"Header header\nstring[] name\nfloat64[] position\nfloat64[] velocity\nfloat64[] effort\n"
-    words += b"=" * 80 + b"\nMSG: std_msgs/Header\nuint32 seq\ntime stamp\nstring frame_id\n"
-    chunk = header(op=b"\5", compression=how, size=u32(HUGE)) + _text(data)
-    index = header(op=b"\4", ver=u32(1), conn=u32(0), count=u32(1)) + _text(struct.pack("<III", 1, 0, 0))
-    connection = header(op=b"\7", conn=u32(0), topic=b"/joint_states")
-    connection += header(topic=b"/joint_states", type=kind, md5sum=b"3066dcd76a6cfaef579bd0f34173e9fd",
-                         message_definition=words)  # fmt: skip
-    first = b"#ROSBAG V2.0\n"
-
-    def begin(place: int) -> bytes:
-        return (
-            first
-            + header(op=b"\3", index_pos=struct.pack("<Q", place), conn_count=u32(1), chunk_count=u32(1))
-            + _text(b"")
-        )
-
-    start = len(begin(0))
-    info = header(op=b"\6", ver=u32(1), chunk_pos=struct.pack("<Q", start), count=u32(1),
-                  start_time=struct.pack("<II", 1, 0), end_time=struct.pack("<II", 2, 0))  # fmt: skip
-    info += _text(struct.pack("<II", 0, 1))
-    return begin(start + len(chunk) + len(index)) + chunk + index + connection + info
+    return write
 
 
 METADATA = """rosbag2_bagfile_information:
@@ -217,8 +199,6 @@ _FILES: dict[str, Callable[[], bytes | str]] = {
     "lz4.mcap": lambda: mcap([("lz4", _lz4(HUGE), HUGE)]),
     "many.mcap": lambda: mcap([("zstd", zstd.compress(_record(0x80, bytes(1 << 25))), (1 << 25) + 9)] * 2000),
     "records.mcap": lambda: mcap([("zstd", zstd.compress(_record(0x80, b"") * 6_000_000), 54_000_000)] * 2),
-    "bz2.bag": lambda: _bag1(b"bz2", bz2.compress(bytes(1 << 27), 1)),
-    "lz4.bag": lambda: _bag1(b"lz4", _lz4(HUGE)),
     "aliases.yaml": lambda: ALIASES,
     "documents.yaml": lambda: b"--- {}\n" * 4_000_000,
     "scalar.yaml": lambda: b"name: [a]\nposition: " + b"word " * 6_000_000 + b": x",
@@ -236,6 +216,8 @@ _FILES: dict[str, Callable[[], bytes | str]] = {
     "names.csv": lambda: "time,q_" + "./" * 50_000 + "\n0,1\n",
 }
 _MADE: dict[str, Callable[[Path], None]] = {
+    "bz2.bag": _bag1(CompressionFormat.BZ2),
+    "lz4.bag": _bag1(CompressionFormat.LZ4),
     "folder": _folder,
     "metadata": _metadata,
     "blob.db3": _database,

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import io
+import json
 import os
 import subprocess
 import sys
 from contextlib import ExitStack, redirect_stderr, redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 from unittest import mock
 
 import pytest
@@ -79,6 +81,11 @@ def shown(*args: str) -> str:
     outcome = run(*args)
     assert (outcome.status, outcome.err) == (0, "")
     return outcome.out
+
+
+def document(*args: str) -> Any:
+    """What `robodyn args` prints as JSON."""
+    return json.loads(shown(*args, "--format", "json"), parse_constant=lambda name: pytest.fail(f"{name} is not JSON"))
 
 
 def refused(outcome: Outcome, line: str) -> None:

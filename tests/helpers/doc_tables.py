@@ -8,9 +8,8 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-from benchmarks.coverage_of_bars import coverage_table
 from benchmarks.coverage_of_identified import coverage_of_identified
-from benchmarks.derivative_errors import derivatives_table
+from benchmarks.derivative_errors import coverage_table, derivatives_table
 from benchmarks.peak_bar_coverage import report as torque_bars
 
 from helpers.machine import machine

@@ -12,7 +12,7 @@ from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import BPoly, make_interp_spline
+from scipy.interpolate import BPoly, PPoly, make_interp_spline
 
 Array = NDArray[np.float64]
 Rates = tuple[Array, Array, Array]
@@ -95,20 +95,9 @@ def linear_accelerations(phases: Sequence[tuple[float, float, float]]) -> Shape:
     """The shape of accelerations that are linear in each phase (share, first, last), scaled to reach 1."""
     h, a, b = np.array([phase for phase in phases if phase[0] > 0]).T
     start = np.concatenate(([0.0], np.cumsum(h)))
-    v = np.concatenate(([0.0], np.cumsum(h * (a + b) / 2)))
-    s = np.concatenate(([0.0], np.cumsum(h * v[:-1] + h**2 * (2 * a + b) / 6)))
-    far = s[-1]
-
-    def shape(x: Array) -> Rates:
-        k = np.clip(np.searchsorted(start, x, side="right") - 1, 0, len(h) - 1)
-        u, jerk = x - start[k], (b - a)[k] / h[k]
-        return (
-            (s[k] + v[k] * u + a[k] * u**2 / 2 + jerk * u**3 / 6) / far,
-            (v[k] + a[k] * u + jerk * u**2 / 2) / far,
-            (a[k] + jerk * u) / far,
-        )
-
-    return shape, tuple(start[1:-1].tolist())
+    s = PPoly(np.array([(b - a) / h, a]), start).antiderivative(2)
+    far = s(start[-1])
+    return lambda x: (s(x) / far, s(x, 1) / far, s(x, 2) / far), tuple(start[1:-1].tolist())
 
 
 def trapezoid(rng: Rng, tick: float) -> Shape:

@@ -8,20 +8,13 @@ import platform
 
 import numpy as np
 
-WIDEST = (
-    ("AVX512", "AVX-512"),
-    ("AVX2", "AVX2"),
-    ("X86_V3", "AVX2"),
-    ("ASIMD", "NEON"),
-    ("NEON", "NEON"),
-    ("SSE", "SSE"),
-)
+WIDEST = {"AVX512": "AVX-512", "AVX2": "AVX2", "X86_V3": "AVX2", "ASIMD": "NEON", "NEON": "NEON", "SSE": "SSE"}
 
 
 def vectors() -> str:
     """The class of vector instructions that NumPy finds."""
     found = " ".join(np.show_config(mode="dicts")["SIMD Extensions"].get("found", []))
-    return next((name for flag, name in WIDEST if flag in found), "baseline")
+    return next((name for flag, name in WIDEST.items() if flag in found), "baseline")
 
 
 def machine(*packages: str) -> str:

@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from helpers.simulated_robots import pendulum, slide
-from helpers.small_robots import built, joint, link, random_tree
+from helpers.simulated_robots import mass_on_a_table, pendulum, slide
+from helpers.small_robots import random_tree
 from robodyn import forward_dynamics
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Drive, Friction, Scene
@@ -60,19 +60,12 @@ def plain_double_pendulum():
 
 def plain_turntable(inertia):
     """1 kg on a slide through the axis of a turntable."""
-    model = built(
-        link("l0"),
-        link("table", 0.001, inertia=(inertia, 0, 0, inertia, 0, inertia)),
-        link("mass", 1.0),
-        joint("turn", "l0", "table", "continuous"),
-        joint("rail", "table", "mass", "prismatic", (1, 0, 0)),
-    )
 
     def solve(q, qd, tau):
         w, r, rd = qd[0], q[1], qd[1]
         return [(tau[0] - 2 * r * rd * w) / (inertia + r * r), tau[1] + r * w * w]
 
-    return Plain(model, ("turn", "rail"), 0.0, solve)
+    return Plain(mass_on_a_table(inertia), ("turn", "rail"), 0.0, solve)
 
 
 def plain_tree(seed):

@@ -13,77 +13,52 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 
 FORKS = sys.platform == "linux"
 """Elsewhere libraries of the system need not survive a fork; each run starts a Python of its own there."""
+Run = Callable[[Path, list[str]], tuple[int, str]]
+"""Returns the exit status and the output of pytest with these arguments, against the package in a folder."""
 
 _TESTS = Path(__file__).parents[1]
 _COMMAND = [sys.executable, "-m", "helpers.preloaded"]
 _OUTPUT = "output.txt"
 """In the folder of a run: what it wrote."""
-
 _MODULES = (
-    "hypothesis.strategies",
-    "hypothesis.internal.conjecture.engine",
-    "numpy.testing",
-    "scipy.integrate",
-    "scipy.optimize",
-    "scipy.spatial",
-    "llvmlite.binding",
-    "mpmath",
-    "xdist.plugin",
-    "anyio.pytest_plugin",
+    *("hypothesis.strategies", "hypothesis.internal.conjecture.engine", "numpy.testing", "scipy.integrate"),
+    *("scipy.optimize", "scipy.spatial", "llvmlite.binding", "mpmath", "xdist.plugin", "anyio.pytest_plugin"),
 )
 
 
-class Preloaded:
-    """Tests against the package in a folder, in a process of their own.
-
-    Args:
-        environment: of the tests, beside this process's own.
-    """
-
-    def __init__(self, environment: dict[str, str]) -> None:
-        self._environment = os.environ | environment
-        self._server: subprocess.Popen[str] | None = None
-
-    def run(self, folder: Path, arguments: list[str]) -> tuple[int, str]:
-        """Return the exit status and the output of pytest with these arguments."""
-        if not FORKS:
-            return self._apart(folder, arguments)
-        server = self._server = self._server or self._served()
-        print(json.dumps([str(folder), *arguments]), file=server.stdin, flush=True)
-        status = server.stdout.readline()
-        return int(status), (folder / _OUTPUT).read_text()
-
-    def end(self) -> None:
-        """End what serves the runs; the next run starts it anew."""
-        if self._server:
-            self._server.communicate()
-            self._server = None
-
-    def _served(self) -> subprocess.Popen[str]:
-        pipe = subprocess.PIPE
-        return subprocess.Popen(_COMMAND, cwd=_TESTS, env=self._environment, stdin=pipe, stdout=pipe, text=True)
-
-    def _apart(self, folder: Path, arguments: list[str]) -> tuple[int, str]:
-        command = [*_COMMAND, str(folder), *arguments]
-        done = subprocess.run(command, check=False, cwd=_TESTS, env=self._environment, capture_output=True, text=True)
-        return done.returncode, done.stdout + done.stderr
-
-
 @contextlib.contextmanager
-def preloaded(**environment: str) -> Iterator[Preloaded]:
+def preloaded(**environment: str) -> Iterator[Run]:
     """Yield what runs tests, in processes with these environment variables too, and end it."""
-    runs = Preloaded(environment)
-    try:
-        yield runs
-    finally:
-        runs.end()
+    variables = os.environ | environment
+    if not FORKS:
+
+        def apart(folder: Path, arguments: list[str]) -> tuple[int, str]:
+            call = [*_COMMAND, str(folder), *arguments]
+            done = subprocess.run(call, check=False, cwd=_TESTS, env=variables, capture_output=True, text=True)
+            return done.returncode, done.stdout + done.stderr
+
+        yield apart
+        return
+    pipe = subprocess.PIPE
+    with subprocess.Popen(_COMMAND, cwd=_TESTS, env=variables, stdin=pipe, stdout=pipe, text=True) as server:
+        assert server.stdin
+        assert server.stdout
+        requests, answers = server.stdin, server.stdout
+
+        def forked(folder: Path, arguments: list[str]) -> tuple[int, str]:
+            print(json.dumps([str(folder), *arguments]), file=requests, flush=True)
+            status = answers.readline()
+            return int(status), (folder / _OUTPUT).read_text()
+
+        yield forked
+        requests.close()
 
 
 def _tested(folder: str, *arguments: str) -> None:

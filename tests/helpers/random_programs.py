@@ -1,7 +1,4 @@
-"""Random programs, written by running random arithmetic on traced scalars, and inputs for them.
-
-One generator draws from any `random.Random`: a seeded one for many programs, Hypothesis's for programs that shrink.
-"""
+"""Random programs, written by running random arithmetic on traced scalars, and inputs for them."""
 
 from __future__ import annotations
 
@@ -10,7 +7,6 @@ import random
 from typing import NamedTuple
 
 import numpy as np
-from hypothesis import strategies as st
 
 from robodyn.programs.program import Program, trace
 from robodyn.programs.vectors import cos, exp, sign, sin, sqrt
@@ -67,11 +63,6 @@ def _step(op, x, most_x, y, most_y):
     }[op]()
     scale = 2.0 ** -max(math.ceil(math.log2(max(most, 1.0) / LIMIT)), 0)
     return value * scale, most * scale
-
-
-def programs():
-    """Hypothesis's random programs."""
-    return st.builds(random_program, st.randoms(), st.integers(0, 40))
 
 
 def seeded(seed, operations):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from scipy.signal import lfilter
 
 from helpers.exact_motions import Array, Course, Rng
 
@@ -82,9 +83,7 @@ def read(course: Course, rng: Rng, hz: float, reading: str, given: str, units: A
 def correlated(rng: Rng, shape: tuple[int, ...], kept: float) -> Array:
     """Noise of unit variance, each value `kept` of the one before."""
     off = rng.standard_normal((shape[0] + 200, *shape[1:]))
-    for k in range(1, len(off)):
-        off[k] = kept * off[k - 1] + np.sqrt(1 - kept**2) * off[k]
-    return off[200:]
+    return lfilter([np.sqrt(1 - kept**2)], [1.0, -kept], off, axis=0)[200:]
 
 
 def cyclic(rng: Rng, angle: Array, lines: float, size: float) -> Array:

@@ -38,14 +38,12 @@ def _document(blob: bytes) -> Any:
 
 JUNIT = """<xs:schema xmlns:xs="http://www.w3.org/2001/XMLSchema">
   <xs:complexType name="counted">
-    <xs:attribute name="name" use="required"/>
-    <xs:attribute name="tests" type="xs:unsignedInt" use="required"/>
+    <xs:attribute name="name" use="required"/><xs:attribute name="tests" type="xs:unsignedInt" use="required"/>
     <xs:attribute name="failures" type="xs:unsignedInt" use="required"/>
     <xs:attribute name="errors" type="xs:unsignedInt" use="required"/>
   </xs:complexType>
   <xs:complexType name="outcome" mixed="true">
-    <xs:attribute name="type"/>
-    <xs:attribute name="message"/>
+    <xs:attribute name="type"/><xs:attribute name="message"/>
   </xs:complexType>
   <xs:complexType name="test">
     <xs:choice minOccurs="0" maxOccurs="unbounded">
@@ -55,10 +53,8 @@ JUNIT = """<xs:schema xmlns:xs="http://www.w3.org/2001/XMLSchema">
       <xs:element name="system-out" type="xs:string"/>
       <xs:element name="system-err" type="xs:string"/>
     </xs:choice>
-    <xs:attribute name="name" use="required"/>
-    <xs:attribute name="classname"/>
-    <xs:attribute name="group"/>
-    <xs:attribute name="time" type="xs:decimal"/>
+    <xs:attribute name="name" use="required"/><xs:attribute name="classname"/>
+    <xs:attribute name="group"/><xs:attribute name="time" type="xs:decimal"/>
   </xs:complexType>
   <xs:complexType name="suite">
     <xs:complexContent><xs:extension base="counted">

@@ -10,8 +10,6 @@ from helpers.peers import pin
 from helpers.robot_files import stacked
 
 LEGS = ("lf", "rf", "lh", "rh")
-FEET = (0.19, 0.11)
-"""Place of the front left foot that stands [m]."""
 Table = dict[str, np.ndarray]
 
 
@@ -33,20 +31,3 @@ def states(robot: pin.Model, table: Table) -> Iterator[tuple[np.ndarray, np.ndar
 def standing(table: Table) -> np.ndarray:
     """(samples, 4) whether each foot stands."""
     return np.column_stack([table.get(f"on_{leg}", np.ones(len(table["time"]))) for leg in LEGS]).astype(bool)
-
-
-def feet_places(robot: pin.Model, table: Table) -> Iterator[np.ndarray]:
-    """Yield (4, 3) where the feet are."""
-    data = robot.createData()
-    for q, _, _ in states(robot, table):
-        pin.framesForwardKinematics(robot, data, q)
-        yield np.array([data.oMf[robot.getFrameId(f"{leg}_foot")].translation for leg in LEGS])
-
-
-def base_wrenches(robot: pin.Model, table: Table) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-    """Yield the place of the trunk's middle, and force and moment on the robot about it, all in the ground's axes."""
-    data = robot.createData()
-    for q, v, a in states(robot, table):
-        wrench = pin.rnea(robot, data, q, v, a)[:6]
-        R = pin.Quaternion(q[3:7]).toRotationMatrix()
-        yield q[:3], R @ wrench[:3], R @ wrench[3:]

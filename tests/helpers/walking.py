@@ -105,30 +105,14 @@ class Walk:
         return motion(self.walker.model, self.time, self.q, self.qd, self.qdd, scene=scene, columns=known)
 
 
-HEEL_AND_TOES = ((-0.05, -0.025, -0.03), (0.12, -0.03, -0.03), (0.12, 0.03, -0.03), (-0.05, 0.025, -0.03))
 SQUARE = ((-0.1, -0.06, 0.0), (0.1, -0.06, 0.0), (0.1, 0.06, 0.0), (-0.1, 0.06, 0.0))
 WALKERS = {
-    "ANYmal": Walker(
-        "anymal",
-        {"lh": "LH_FOOT", "lf": "LF_FOOT", "rh": "RH_FOOT", "rf": "RF_FOOT"},
-        {"F_HFE": 0.6, "F_KFE": -1.1, "H_HFE": -0.6, "H_KFE": 1.1},
-        stride=0.12,
-        lift=0.08,
-    ),
     "Go2": Walker(
         "go2",
         {"rl": "RL_foot", "fl": "FL_foot", "rr": "RR_foot", "fr": "FR_foot"},
         {"thigh": 0.9, "calf": -1.8},
         stride=0.08,
         lift=0.05,
-    ),
-    "G1": Walker(
-        "g1_29dof_rev_1_0",
-        {"left": "left_ankle_roll_link", "right": "right_ankle_roll_link"},
-        {"hip_pitch": -0.4, "knee": 0.8, "ankle_pitch": -0.4},
-        stride=0.12,
-        lift=0.05,
-        sole=HEEL_AND_TOES,
     ),
     "TALOS": Walker(
         "talos_full_v2",

@@ -1,4 +1,4 @@
-"""What `identify` finds of logs whose truth is known, and that what it keeps does not grow with the log."""
+"""What `identify` finds of logs whose truth is known; rows on even grids, their noise and their filter."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ from helpers.identified_logs import quintics, waves, write_log
 import robodyn
 from robodyn.dynamics.regressor import INERTIAL, regressor
 from robodyn.identification.identify import identify
-from robodyn.identification.log.log import read_log
+from robodyn.identification.log.log import noise_cutoff, read_log
+from robodyn.identification.log.rows import convolved, filtered, kernel, rates, states
 from robodyn.identification.model_selection import joint_motors
 from robodyn.identification.parameters.regressor_columns import Gathered, Guess, Moments, RegressorColumns, gather
 from robodyn.scene.scene import DEFAULT, CoupledMotor, Friction, Rotor, Scene, Spring
@@ -67,7 +68,7 @@ def test_exact_logs_give_exact_base_parameters(name, tmp_path):
     robot = ROBOTS / f"{name}.urdf"
     names = robodyn.load(robot).rates
     scene = Scene(friction=friction(robodyn.load(robot), 0.5, 0.8, -0.6), rotor={each: Rotor(0.03) for each in names})
-    model, _, _ = logged(tmp_path / "log.csv", robot, waves, scene, np.random.default_rng(1), time=TIME[:1000])
+    model, _, _ = logged(tmp_path / "log.csv", robot, waves, scene, np.random.default_rng(1), time=TIME[:700])
     found = identify([read_log(str(tmp_path / "log.csv"), model)])
     assert off_truth(found, scene) < 1e-10
 
@@ -165,7 +166,7 @@ def test_units_do_not_count(tmp_path):
 
 def test_what_is_kept_does_not_grow(tmp_path):
     kept = []
-    for count in (2000, 6000):
+    for count in (2000, 4000):
         path = tmp_path / f"{count}.csv"
         time = 0.01 * np.arange(count)
         model, _, _ = logged(path, SPATIAL, waves, DEFAULT, np.random.default_rng(6), noise=0.01, time=time)
@@ -196,3 +197,87 @@ def test_rounding_explains_no_torque(tmp_path):
         (found[0].base.standard_errors, found[1].base.standard_errors),
     ):
         assert np.abs(first - second).max() < 1e-10 * np.abs(first).max()
+
+
+ARM = ROBOTS / "two_link_planar.urdf"
+STEP = 0.004
+
+
+def log_of(folder, time, q, tau, cutoff=None):
+    write_log(folder / "log.csv", robodyn.load(ARM), time, q, tau)
+    return read_log(str(folder / "log.csv"), robodyn.load(ARM), cutoff=cutoff)
+
+
+def swing(time):
+    return np.column_stack([np.sin(3.0 * time), 0.5 * np.cos(5.0 * time)])
+
+
+def test_the_kernel_passes_and_stops():
+    taps = kernel(20.0, STEP)
+    assert taps.sum() == pytest.approx(1.0, abs=1e-15)
+    np.testing.assert_array_equal(taps, taps[::-1])
+    time = STEP * np.arange(2000)
+    for frequency, passes in ((5.0, 1.0), (14.0, 1.0), (20.0, 0.5), (26.0, 0.0), (60.0, 0.0)):
+        wave = np.cos(2.0 * np.pi * frequency * time)[:, None]
+        reach = len(taps) // 2
+        np.testing.assert_allclose(convolved(wave, taps)[:, 0], passes * wave[reach:-reach, 0], atol=2e-4)
+
+
+def test_derivatives_of_what_passes():
+    time = STEP * np.arange(2000)
+    w = 2.0 * np.pi * 2.0
+    kernels = rates(kernel(20.0, STEP), STEP)
+    reach = len(kernels[0]) // 2
+    inner = time[reach:-reach]
+    expected = np.sin(w * inner), w * np.cos(w * inner), -w * w * np.sin(w * inner)
+    for taps, values in zip(kernels, expected, strict=True):
+        found = convolved(np.sin(w * time)[:, None], taps)[:, 0]
+        np.testing.assert_allclose(found, values, atol=1.5e-4 * np.abs(values).max())
+
+
+@pytest.mark.parametrize("noise", [0.0, 1e-5])
+def test_blocks_change_nothing(noise, tmp_path, monkeypatch):
+    """Rows of a log in blocks of 100 samples are those of the log at once."""
+    time = STEP * np.arange(2500)
+    q = swing(time) + noise * np.random.default_rng(1).normal(size=(len(time), 2))
+    log = log_of(tmp_path, time, q, np.cos(swing(time)), cutoff=12.0)
+    assert log.noisy == bool(noise)
+    whole = [np.concatenate(parts) for parts in zip(*filtered(log, 12.0, lambda s: s.qdd), strict=True)]
+    monkeypatch.setattr("robodyn.identification.log.rows._ROWS", 100)
+    parts = [np.concatenate(parts) for parts in zip(*filtered(log, 12.0, lambda s: s.qdd), strict=True)]
+    for one, other in zip(whole, parts, strict=True):
+        np.testing.assert_allclose(one, other, atol=1e-12 * np.abs(one).max())
+    if not noise:
+        exact = -np.array([9.0, 25.0]) * swing(whole[0])
+        np.testing.assert_allclose(whole[1], exact, atol=5e-4 * np.abs(exact).max())
+
+
+def test_uneven_stamps_are_put_on_a_grid(tmp_path):
+    rng = np.random.default_rng(2)
+    time = STEP * (np.arange(2000) + rng.uniform(-0.3, 0.3, 2000))
+    log = log_of(tmp_path, time, swing(time), swing(time))
+    assert not log.even
+    found = list(log.blocks())
+    stamps = np.concatenate([each.time for each in found])
+    np.testing.assert_allclose(np.diff(stamps), log.step, rtol=1e-9)
+    np.testing.assert_allclose(np.concatenate([each.q for each in found]), swing(stamps), atol=1e-6)
+    np.testing.assert_allclose(np.concatenate([each.tau for each in found]), swing(stamps), atol=2e-4)
+
+
+def test_no_window_reaches_over_a_gap(tmp_path):
+    time = STEP * np.concatenate([np.arange(1000), np.arange(1100, 2000)])
+    log = log_of(tmp_path, time, swing(time), swing(time), cutoff=12.0)
+    assert [each.begins for each in states(log, 12.0)] == [True, True]
+    stamps = np.concatenate([rows.time for rows in filtered(log, 12.0, lambda s: s.q)])
+    reach = STEP * (len(kernel(12.0, STEP)) // 2)
+    assert not ((stamps > 999 * STEP - reach + 1e-9) & (stamps < 1100 * STEP + reach - 1e-9)).any()
+
+
+def test_noise_sets_the_cutoff():
+    """Motion below 3 Hz and white noise: the cutoff lies between; lines of a converter do not count."""
+    rng = np.random.default_rng(3)
+    time = 0.001 * np.arange(20000)
+    tau = 10.0 * np.sin(2.0 * np.pi * np.outer(time, [0.5, 1.0, 3.0])) @ np.ones((3, 2))
+    noisy = tau + 0.1 * rng.normal(size=tau.shape)
+    assert 3.0 <= noise_cutoff(noisy, 0.001) <= 12.0
+    assert noise_cutoff(noisy + 3.0 * np.sin(2.0 * np.pi * 180.0 * time)[:, None], 0.001) <= 12.0

@@ -17,7 +17,7 @@ from robodyn.scene.scene import Friction, Scene
 ROBOT = ROBOTS / "two_link_spatial.urdf"
 MODEL = robodyn.load(ROBOT)
 JOINTS = MODEL.rates
-TIME = 0.01 * np.arange(1400)
+TIME = 0.01 * np.arange(1000)
 
 
 @cache
@@ -187,7 +187,7 @@ def spiked(tau):
     tau[wrong] += (10.0 * np.abs(tau).max(axis=0) * rng.choice([-1.0, 1.0], tau.shape))[wrong]
 
 
-GAP = np.r_[0:600, 750:1400]
+GAP = np.r_[0:450, 550:1000]
 SHAKEN = TIME + 0.01 * np.random.default_rng(2).uniform(-0.3, 0.3, len(TIME))
 
 

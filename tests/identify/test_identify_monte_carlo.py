@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from helpers.example_robots import path_of
 from helpers.identified_logs import Bench, coloured, quintics, trapezoids, waves, white, write_log
 from helpers.misfit_logs import deviation, with_bodies
-from helpers.random_faulty_logs import robot
+from helpers.oracles import ROBOTS
 
 import robodyn
 from robodyn.identification.identify import identify
@@ -18,6 +19,10 @@ from robodyn.identification.result import covariance
 from robodyn.scene.scene import Friction, Scene
 
 LEVEL = 1.96
+
+
+def robot(name):
+    return robodyn.load(path_of(name) if name == "ur5_robot" else ROBOTS / f"{name}.urdf")
 
 
 def held(bench, noise, count, motion):

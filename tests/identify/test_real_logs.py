@@ -121,6 +121,7 @@ def half(tmp_path_factory):
     return identified(TX40, LOG, *HALF, "--out", urdf, "--scene-out", scene), urdf, scene
 
 
+@pytest.mark.slow
 def test_tx40_second_half(half):
     """Plain least squares have 12.83 % on the second half; every body can exist; motor 6 is found."""
     found, out, _ = half

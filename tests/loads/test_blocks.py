@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import tracemalloc
 from dataclasses import asdict, replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from helpers.busy_robot import BUSY_SCENE, busy_robot
-from helpers.command_line import write_arm
 from helpers.motions import Pieces, waves
 from helpers.oracles import EPS, robot
 from helpers.small_robots import built, joint, link
@@ -19,10 +16,7 @@ from robodyn.errors import InputError
 from robodyn.loads.accumulate import output_names
 from robodyn.loads.statistics import Extremes, Greatest
 from robodyn.loads.torques import torques
-from robodyn.robot.load import load
-from robodyn.scene.scene import Motor, Rotor, Scene
-from robodyn.trajectory.options import Reading
-from robodyn.trajectory.read import motion, open_trajectory, signals
+from robodyn.trajectory.read import motion
 
 SAMPLES = 200
 TIME = np.sort(np.random.default_rng(3).uniform(0, 4, SAMPLES))
@@ -137,29 +131,3 @@ def test_a_motion_up_to_its_limits_exceeds_none():
     beyond = found(1 + 1e-8)
     assert [excess.quantity for excess in beyond.exceeded] == ["velocity", "position", "position"]
     assert beyond.seconds_over_velocity == pytest.approx(1.0)
-
-
-def peak_memory(folder: Path, rows: int) -> int:
-    """Bytes at the most while the arm and its motors are sized in blocks of 256 samples."""
-    write_arm(folder, rows)
-    motor = Motor(0.8, continuous=1.0, peak=((0.0, 3.0), (9.0, 1.0)), gear_average=3.0, gear_peak=9.0)
-    names = ("shoulder", "elbow")
-    scene = Scene(rotor=dict.fromkeys(names, Rotor(1e-4, 50.0)), motor=dict.fromkeys(names, motor))
-    tracemalloc.start()
-    try:
-        model = load(folder / "arm.urdf")
-        with open_trajectory(
-            folder / "arm.csv", signals(model), block_rows=256, reading=Reading(angle_unit="rad")
-        ) as reader:
-            torques(model, reader, scene, executor="numpy")
-        return tracemalloc.get_traced_memory()[1]
-    finally:
-        tracemalloc.stop()
-
-
-@pytest.mark.slow
-def test_memory_does_not_grow_with_the_length(tmp_path: Path) -> None:
-    """The loads of 64 blocks more would alone take 2 MB; a peak is some 1.4 MB, and differs by 0.3 between runs."""
-    peak_memory(tmp_path, 8192)
-    short, long = (peak_memory(tmp_path, rows) for rows in (8192, 24576))
-    assert long - short <= 1_000_000

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers.command_line import ROBOTS
+from helpers.command_line import ROBOTS, run
 
 import robodyn
 from robodyn import Contact, ContactCost, Scene
@@ -32,6 +32,15 @@ def some(robot, scene):
         (whole,) = reader.blocks()
     parts = {name: getattr(whole, name)[::10] for name in ("time", "q", "qd", "qdd")}
     return replace(whole, **parts, extra={name: values[::10] for name, values in whole.extra.items()}, sampling=None)
+
+
+def test_four_feet_under_the_middle_bear_a_quarter_each(tmp_path):
+    call = (str(ROBOTS / "quadruped.urdf"), STAND, "--scene", str(ROBOTS / "quadruped_stand.toml"))
+    assert run("torques", *call, "--out", str(tmp_path / "out.csv")).status == 0
+    first = np.genfromtxt(tmp_path / "out.csv", delimiter=",", names=True)[0]
+    for leg in ("lf", "rf", "lh", "rh"):
+        force = [first[f"f{axis}_{leg}"] for axis in "xyz"]
+        assert force == pytest.approx([0.0, 0.0, 10 * 9.81 / 4], abs=1e-9 * 10 * 9.81)
 
 
 def test_no_contact_is_on(robot, scene, some):

@@ -1,4 +1,7 @@
-"""Too few samples to derive accelerations, or to check the energy: in the error bar, in warnings, never green."""
+"""Too few samples to derive accelerations, or to check the energy: in the error bar, in warnings, never green.
+
+One row is a robot at rest, with what rates it gives; two rows are too few to differentiate.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.command_line import ARM, run
+from helpers.command_line import ARM, ROBOTS, run
 from helpers.exact_motions import linear_accelerations, minimum_jerk
 from helpers.oracles import robot
 from helpers.sampled import sampled
@@ -48,7 +51,7 @@ MOTIONS: dict[str, Motion] = {
     "points by minimum jerk": through(POINTS, minimum_jerk(None, 0.0)[0]),
     "points by trapezoids": through(POINTS, linear_accelerations([(0.25, 1, 1), (0.5, 0, 0), (0.25, -1, -1)])[0]),
 }
-ROWS = (3, 8, 20, 30, 60, 100, 200, 400)
+ROWS = (3, 20, 30, 60, 100, 200, 400)
 TOO_FEW_BELOW = {"sine": 30, "points by minimum jerk": 60, "points by trapezoids": 200}
 """Of positions alone over 4 s: the first of ROWS that is not warned of."""
 ENERGY_BELOW = {"sine": 12, "points by minimum jerk": 20, "points by trapezoids": 60}
@@ -128,7 +131,7 @@ def test_a_limit_within_the_error_bar_of_a_peak_is_not_green() -> None:
     rng = np.random.default_rng(6)
     q = 0.5 * sine(t)[0][:, None] * np.ones(model.n) + 1e-5 * rng.standard_normal((400, model.n))
     peaks = robodyn.torques(model, robodyn.motion(model, t, q)).joints
-    text = (Path(__file__).parents[2] / "robots" / "puma560.urdf").read_text()
+    text = (ROBOTS / "puma560.urdf").read_text()
     waist = peaks[0]
     limit = abs(waist.peak) + 0.5 * waist.error_bar
     tight = robodyn.load(re.sub('effort="[^"]*"', f'effort="{limit!r}"', text, count=1).encode())
@@ -136,3 +139,47 @@ def test_a_limit_within_the_error_bar_of_a_peak_is_not_green() -> None:
     (caveat,) = [each for each in result.caveats if "error bar" in each.kind]
     assert caveat.kind == "unless within the error bar of 'waist'"
     assert limits_verdict(result).level != "good"
+
+
+@pytest.mark.parametrize(
+    ("name", "given"), [("puma560", ()), ("scara", ("qd",)), ("cylindrical", ("qd", "qdd")), ("scara", ("qdd",))]
+)
+def test_one_row_is_taken_as_rest(name: str, given: tuple[str, ...], tmp_path: Path) -> None:
+    model = robodyn.load(str(ROBOTS / f"{name}.urdf"))
+    rng = np.random.default_rng(len(given))
+    names = [joint.name for joint in model.independent]
+    state = {kind: rng.uniform(-0.1, 0.1, model.n) for kind in ("q", "qd", "qdd")}
+    used = ("q", *given)
+    head = ",".join(f"{kind}_{joint}" for kind in used for joint in names)
+    row = ",".join(repr(float(x)) for kind in used for x in state[kind])
+    (tmp_path / "one.csv").write_text(f"time,{head}\n0,{row}\n")
+    call = ("torques", str(ROBOTS / f"{name}.urdf"), str(tmp_path / "one.csv"))
+    found = json.loads(run(*call, "--format", "json").out)
+    still = np.zeros(model.n)
+    exact = robodyn.inverse_dynamics(
+        model, state["q"], *(state[kind] if kind in given else still for kind in ("qd", "qdd"))
+    )
+    scale = np.abs(exact).max()
+    assert np.abs([joint["peak"] for joint in found["joints"]] - exact).max() <= 1e-12 * scale
+    said = "one row is no motion: velocities and accelerations that it does not give are 0"
+    assert any(line.startswith(said) and "fbd ROBOT --at" in line for line in found["warnings"]) == (
+        not {"qd", "qdd"} <= {*given}
+    )
+
+
+def test_two_rows_and_explicit_derivatives_are_refused(tmp_path: Path) -> None:
+    urdf = str(ROBOTS / "two_link_planar.urdf")
+    first = robodyn.load(urdf).independent[0].name
+    (tmp_path / "two.csv").write_text(f"time,q_{first}\n0,0.1\n1,0.2\n")
+    call = ("torques", urdf, str(tmp_path / "two.csv"), "--hold", "rest")
+    assert "has 2 rows, too few to differentiate" in run(*call).err
+    (tmp_path / "two.csv").write_text(f"time,q_{first}\n0,0.1\n")
+    assert run(*call, "--derivatives", "given").status == 2
+
+
+def test_an_example_is_said_to_be_no_duty_cycle(tmp_path: Path) -> None:
+    call = ("torques", str(ROBOTS / "puma560.urdf"), str(tmp_path / "m.csv"), "--example")
+    said = "which is no duty cycle and reaches 40 % of the limits of speed: size by the motion that the robot will do"
+    assert f"m.csv, an example motion to begin with, {said}\n" in run(*call, "--sizing").out
+    (tmp_path / "m.csv").unlink()
+    assert "m.csv, an example motion to begin with\n" in run(*call).out

@@ -6,8 +6,7 @@ import mpmath
 import numpy as np
 import pytest
 from helpers.exact_rates import exact_rates
-from helpers.random_programs import programs, seeded
-from hypothesis import given
+from helpers.random_programs import seeded
 
 from robodyn.programs.derivative import again, derivative, jacobian
 from robodyn.programs.program import Program, trace
@@ -37,11 +36,6 @@ def worst(program: Program, widths: dict[str, int], seed: int) -> mpmath.mpf:
 def test_random_programs(operations: int, first: int) -> None:
     for seed in range(first, first + 8):
         assert worst(*seeded(seed, operations), seed) < 1e-35
-
-
-@given(programs())
-def test_programs_that_shrink(drawn) -> None:
-    assert worst(*drawn, 3) < 1e-35
 
 
 def test_a_step_and_a_direction() -> None:

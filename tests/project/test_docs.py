@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import ast
 import re
 import sys
+from collections import Counter
+from dataclasses import fields
 from functools import cache
 from importlib import import_module
+from itertools import pairwise
 from os.path import normpath
 from pathlib import Path
 from types import ModuleType
@@ -25,6 +29,8 @@ from robodyn.checks.catalogue import RULES
 from robodyn.cli.main import COMMANDS
 from robodyn.errors import SceneError
 from robodyn.scene.read import parse_scene
+from robodyn.support import input_file
+from robodyn.support.input_file import VARIABLE, InputLimits
 
 ADVICE = "run: python tests/make_docs.py"
 PAGES = {page.relative_to(ROOT).as_posix(): page.read_text(encoding="utf-8") for page in hand_written()}
@@ -41,7 +47,11 @@ TABLES_OF_SCENE = (
     '[fluid]\ndensity = 1\n[[fluid.link]]\nlink = "l"\nKEY',
     "[base]\nKEY",
     "[motor]\nj = {KEY}",
+    "[limit_spring]\nstiffness = 1\nKEY",
+    '[[contact]]\nname = "c"\nlink = "l"\nKEY',
 )
+ELSEWHERE = ("KEY", '[[payload]]\nlink = "l"\nmass = 1\nKEY', '[[wrench]]\nlink = "l"\nKEY', "[base]\nKEY")
+"""Tables of a scene that do not say what acts in joints and on links."""
 
 
 LONG = (
@@ -106,18 +116,7 @@ def test_every_block_of_commands_is_run():
     """There is no `bash` block, say, that nothing runs."""
     languages = {found[1] for text in PAGES.values() for found in re.finditer(r"^```+(\w+)$", text, re.MULTILINE)}
     assert languages <= {
-        "console",
-        "pycon",
-        "sh",
-        "toml",
-        "text",
-        "python",
-        "xml",
-        "yaml",
-        "csv",
-        "json",
-        "cmake",
-        "markdown",
+        *["console", "pycon", "sh", "toml", "text", "python", "xml", "yaml", "csv", "json", "cmake", "markdown"]
     }
 
 
@@ -171,10 +170,17 @@ def test_scenes_are_understood():
 
 @pytest.mark.parametrize("table", TABLES_OF_SCENE)
 def test_every_key_of_a_scene_is_described(table):
+    """What acts in joints and on links is said to be there, too: a new key fails here, so that whoever adds it reads
+    what the page of limits denies."""
     with pytest.raises(SceneError, match="unknown key") as caught:
         parse_scene(table.replace("KEY", "nonsense = 1").encode())
-    for key in re.findall(r"[a-z_]+", str(caught.value).partition("valid keys: ")[2]):
+    keys = set(re.findall(r"[a-z_]+", str(caught.value).partition("valid keys: ")[2]))
+    assert len(keys) > 1
+    for key in keys:
         assert re.search(rf"`[^`]*\b{key}\b[^`]*`", PAGES["docs/reference/scene.md"]), f"{key} is not described"
+    if table not in ELSEWHERE:
+        named = " ".join(word for row in cells(PAGES["docs/explanation/limits.md"]) for word in row[1].split("`")[1::2])
+        assert keys - set(re.findall(r"\w+", named)) - {"link"} == set()
 
 
 def test_the_number_of_rules_stands_on_the_page_that_counts_them():
@@ -283,28 +289,32 @@ def test_figures_of_the_readme_are_those_of_the_benchmarks():
     assert len(PAGES["README.md"].splitlines()) <= LONGEST_README
 
 
-CONTACT = '[[contact]]\nname = "c"\nlink = "l"\n{}'
-PARTS = (
-    *TABLES_OF_SCENE[1:4],
-    *TABLES_OF_SCENE[6:8],
-    TABLES_OF_SCENE[9],
-    "[limit_spring]\nstiffness = 1\nKEY",
-    CONTACT.format("KEY"),
-)
-"""The tables of a scene that say what acts in joints and on links."""
+SECURITY = (ROOT / ".github" / "SECURITY.md").read_text()
 
 
-@pytest.mark.parametrize("table", PARTS)
-def test_what_has_a_key_is_said_to_be_there(table: str) -> None:
-    """A new key fails here, so that whoever adds it reads what the page denies."""
-    with pytest.raises(SceneError, match="unknown key") as caught:
-        parse_scene(table.replace("KEY", "nonsense = 1").encode())
-    keys = set(re.findall(r"[a-z_]+", str(caught.value).partition("valid keys: ")[2]))
-    there = {
-        key
-        for row in cells(PAGES["docs/explanation/limits.md"])
-        for words in row[1].split("`")[1::2]
-        for key in re.findall(r"\w+", words)
+def _explained() -> dict[str, str]:
+    """What is written below each limit."""
+    tree = ast.parse(Path(input_file.__file__).read_text())
+    body = next(node.body for node in tree.body if isinstance(node, ast.ClassDef))
+    return {
+        ast.unparse(line.target): " ".join(ast.literal_eval(below.value).split()).rstrip(".")
+        for line, below in pairwise(body)
+        if isinstance(line, ast.AnnAssign) and isinstance(below, ast.Expr)
     }
-    assert len(keys) > 1
-    assert keys - there - {"link"} == set()
+
+
+def test_every_limit_is_on_the_page_on_security_and_used() -> None:
+    rows = re.findall(r"^\| `(\w+)` \| (\d+) \| (.+) \|$", SECURITY, re.MULTILINE)
+    what = _explained()
+    assert rows == [(each.name, str(each.default), what[each.name]) for each in fields(InputLimits)]
+    words = Counter(word for path in (ROOT / "robodyn").rglob("*.py") for word in re.findall(r"\w+", path.read_text()))
+    assert [each.name for each in fields(InputLimits) if words[each.name] < 2] == []  # once stands in the table
+
+
+def test_what_the_page_on_security_names_is_there() -> None:
+    for path in re.findall(r"`(tests/[\w/.]+)`", SECURITY):
+        assert (ROOT / path).exists(), path
+    for link, anchor in re.findall(r"\]\(\.\./([\w/.]+)#([\w-]+)\)", SECURITY):
+        assert anchor in map(slug, re.findall(r"^#+ (.*)$", (ROOT / link).read_text(), re.MULTILINE))
+    assert "(.github/SECURITY.md)" in PAGES["CONTRIBUTING.md"]
+    assert f"`{VARIABLE}`" in PAGES["docs/reference/environment.md"]

@@ -1,16 +1,21 @@
-"""scene.toml: every key is read, and whatever is wrong is one line that says where, what, and what would be right."""
+"""scene.toml: every key is read; whatever is wrong is one line that says where, what, and what would be right."""
 
 from __future__ import annotations
 
+import json
 import re
-from dataclasses import replace
+from dataclasses import fields, replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from helpers.oracles import robot
+from hypothesis import given
+from hypothesis import strategies as st
 
 from robodyn.dynamics.effects.motors import rotor_of
 from robodyn.errors import SceneError
+from robodyn.scene import scene as parts
 from robodyn.scene.read import load_scene, parse_scene
 from robodyn.scene.scene import (
     Contact,
@@ -27,6 +32,8 @@ from robodyn.scene.scene import (
     Scene,
     Spring,
 )
+from robodyn.scene.toml_table import OF_THE_SCENE
+from robodyn.scene.uncertainty import Uncertainty
 
 EVERYTHING = b"""
 gravity = [0.5, -1, -9.81]
@@ -258,11 +265,13 @@ def test_unknown_keys_list_the_valid_ones(text):
 NAMED = '[[loop]]\nname = "a"\nlink = "b"\n'
 FOOT = '[[contact]]\nname = "f"\nlink = "l"\n'
 WRONG = {
-    "gravity = 9.81": 'the scene: "gravity" is 9.81, not 3 numbers',
+    "gravity = 9.81": 'the scene: "gravity" is 9.81, not 3 numbers (write gravity = [x, y, z])',
     "gravity = [0, 0, true]": '"gravity" is True, not a finite number',
     "gravity = [0, 0, nan]": '"gravity" is nan, not a finite number',
     'gravity = [0, 0, "g"]': "\"gravity\" is 'g', not a finite number",
     "friction = 1": "[friction] is 1, not a table",
+    "[friction]\nelbow = 1": "[friction] elbow is 1, not a table (write elbow = { key = value })",
+    'base = "moving"': "[base] is 'moving', not a table (write [base] above lines of key = value)",
     '[friction]\na = { viscous = "1" }': "[friction] a: \"viscous\" is '1', not a finite number",
     "[friction]\na = { viscous = -1 }": '"viscous" is -1 (positive or zero: else it drives the joint)',
     "[friction]\na = { coulomb = -1 }": '"coulomb" is -1 (positive or zero: else it drives the joint)',
@@ -272,7 +281,7 @@ WRONG = {
     "[rotor]\na = {}": '[rotor] a: "inertia" is missing',
     "[rotor]\na = { inertia = -1 }": '"inertia" is -1',
     "payload = 1": '"payload" is not a list of tables',
-    "payload = [1]": "[[payload]] number 1 is 1, not a table",
+    "payload = [1]": "[[payload]] number 1 is 1, not a table (write [[payload]] above lines of key = value)",
     "[[payload]]\nmass = 1": '[[payload]] number 1: "link" is missing',
     '[[payload]]\nlink = "a"\nmass = 1\n[[payload]]\nlink = 3': '[[payload]] number 2: "link" is 3, not a name',
     '[[payload]]\nlink = ""\nmass = 1': "\"link\" is '', not a name",
@@ -285,6 +294,7 @@ WRONG = {
     '[base]\nmotion = "free"': '"motion" is "free" (one of: fixed, moving)',
     "slip_speed = -1": '"slip_speed" is -1',
     'joint_limits = "bounce"': '"joint_limits" is "bounce" (one of: stop, ignore, spring)',
+    "joint_limits = true": 'the scene: "joint_limits" is True, not a name (one of: stop, ignore, spring)',
     'joint_limits = "spring"': '"joint_limits" is "spring" without a [limit_spring] (give its stiffness, N m/rad)',
     'joint_limits = "stop"\n[limit_spring]\nstiffness = 1': '"joint_limits" is "stop" with a [limit_spring] (write',
     'joint_limits = "spring"\nlimit_spring = { stiffness = 0 }': '[limit_spring]: "stiffness" is 0 (it is positive)',
@@ -294,6 +304,8 @@ WRONG = {
     "[drive]\na = { kp = true }": '[drive] a: "kp" is True, not a finite number',
     "ground = 0": '"ground" is no key',
     "gravity = [": "is not TOML",
+    "[drive]\na = {}\n[drive]\n": "is not TOML: cannot declare ('drive',) twice (each key and",
+    f"a = {'[' * 5000}": "is not TOML: nested too deeply",
     f"[fluid]\ndensity = {'9' * 400}": "not a finite number",
     f"[rotor]\na = {{ inertia = {'9' * 5000} }}": "is not TOML",
     "\x00": "is not TOML",
@@ -383,3 +395,64 @@ def test_files(tmp_path):
     good = tmp_path / "good.toml"
     good.write_bytes(EVERYTHING)
     assert load_scene(good).payloads == parse_scene(EVERYTHING).payloads
+
+
+KINDS = (parts.Friction, parts.Rotor, parts.CoupledMotor, parts.Spring, parts.Payload, parts.ExternalWrench)
+KINDS += (parts.Immersed, parts.Drive, parts.LimitSpring, parts.Motor, parts.Loop, parts.Contact, parts.ContactCost)
+KEYS = sorted({*OF_THE_SCENE, *(field.name for kind in (*KINDS, Uncertainty) for field in fields(kind))})
+KEYS += ["coulomb", "speed_unit", "q", "qd", "polygon", "motion", "held", "density", "velocity", "", "é", "a b"]
+WORDS = ["5 %", "3 mm", "link", "base", "world", "moving", "fixed", "tool0", "fx", "", "\n", "\u202e"]
+DAMAGE = [b"[", b"]", b"{", b"=", b"'", b"1e999"]
+EXAMPLES = sorted((Path(__file__).parents[2] / "robots").glob("*.toml"))
+
+
+def tables(inner):
+    return st.dictionaries(st.sampled_from(KEYS), inner, max_size=6)
+
+
+numbers = st.one_of(st.integers(), st.integers(10**400, 10**401), st.floats(), st.booleans())
+values = st.recursive(
+    st.one_of(numbers, st.sampled_from(WORDS), st.text(max_size=5)),
+    lambda inner: st.one_of(
+        st.lists(inner, max_size=6), st.lists(numbers, min_size=3, max_size=3), tables(inner), st.lists(tables(inner))
+    ),
+    max_leaves=20,
+)
+
+
+def written(value):
+    """A value as inline TOML."""
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{json.dumps(key)} = {written(part)}" for key, part in value.items()) + "}"
+    if isinstance(value, list):
+        return "[" + ", ".join(written(part) for part in value) + "]"
+    return json.dumps(value) if isinstance(value, str) else str(value).lower()
+
+
+def clean(data):
+    try:
+        found = parse_scene(data)
+    except SceneError as error:
+        found = error
+    assert isinstance(found, Scene) or (found.what and "\n" not in str(found))
+
+
+@given(tables(values))
+@pytest.mark.slow
+def test_any_tables(table):
+    clean("\n".join(f"{json.dumps(key)} = {written(value)}" for key, value in table.items()).encode())
+
+
+@given(st.one_of(st.binary(max_size=60), st.text(max_size=60).map(lambda text: text.encode("utf-8", "surrogatepass"))))
+def test_any_bytes(data):
+    clean(data)
+
+
+@given(st.sampled_from(EXAMPLES), st.data())
+def test_damaged_examples(path, data):
+    text = bytearray(path.read_bytes())
+    for _ in range(data.draw(st.integers(1, 4))):
+        start = data.draw(st.integers(0, len(text)))
+        stop = min(len(text), start + data.draw(st.integers(0, 10)))
+        text[start:stop] = data.draw(st.one_of(st.binary(max_size=4), st.sampled_from(DAMAGE)))
+    clean(bytes(text))

@@ -1,4 +1,4 @@
-"""A scene that does not fit the robot is refused; several scenes make one, in which a key stands once."""
+"""A scene that does not fit the robot is refused; several scenes, and --payload, make one: a key stands once."""
 
 from __future__ import annotations
 
@@ -7,9 +7,12 @@ import re
 from pathlib import Path
 
 import pytest
-from helpers.command_line import ROBOTS, run
+from helpers.batch_runs import in_turn
+from helpers.command_line import ROBOTS, run, shown, write_arm
+from helpers.command_line import motion as arm_motion
 from helpers.oracles import robot
 
+from robodyn.cli import torques_batch
 from robodyn.dynamics.inverse import bias_forces, inverse_dynamics, mass_matrix
 from robodyn.errors import SceneError
 from robodyn.loads.torques import torques
@@ -111,14 +114,20 @@ PARTS = {
 }
 
 
+FORE = '[[payload]]\nlink = "fore"\nmass = 2.5\ncom = [0.1, 0.0, 0.05]\n'
+OF_THE_ARM = {"fore": FORE, "both": f'{FORE}[[payload]]\nlink = "upper"\nmass = 1\n'}
+
+
 @pytest.fixture(autouse=True)
 def _here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    for name, text in PARTS.items():
+    write_arm(tmp_path)
+    for name, text in (PARTS | OF_THE_ARM).items():
         Path(f"{name}.toml").write_text(f"# {name}\n{text}\n")
 
 
-def test_scenes_of_parts_are_the_scene_of_the_whole() -> None:
+def test_scenes_of_parts_are_the_scene_of_the_whole(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(torques_batch, "worked_here", in_turn)
     whole = """gravity = [0, 0, -9.7]
 [friction]
 waist = { coulomb = 5, viscous = 2 }
@@ -176,3 +185,37 @@ def test_payloads_on_one_link_are_told_to_add_up() -> None:
     assert f"\nwarning: {said}\n" in run(*CALL, "--scene", "tool.toml", "--payload", "flange=12").out
     assert "add up" not in run(*CALL, "--scene", "tool.toml", "--scene", "arm.toml").out
     assert "add up" not in run(*CALL, "--payload", "flange=12").out
+
+
+TORQUES = ("torques", "arm.urdf", "arm.csv")
+SIMULATE = ("simulate", "arm.urdf", "--duration", "0.02")
+FBD = ("fbd", "arm.urdf", "--at", "0.1,0.2")
+EQUATIONS = ("equations", "arm.urdf", "--at", "0.1,0.2")
+OPTION = ("--payload", "fore=2.5@0.1,0,0.05")
+
+
+def test_the_option_of_a_payload_is_the_payload_of_a_scene() -> None:
+    for call in (TORQUES, SIMULATE, FBD, EQUATIONS):
+        text = shown(*call, *OPTION)
+        assert text == run(*call, "--scene", "fore.toml").out
+        assert text != run(*call).out
+    Path("arm.urdf").write_text(Path("arm.urdf").read_text().replace('"fore"', '"a=b@c"'))
+    assert run(*TORQUES, "--payload", "a=b@c=2.5@0.1,0,0.05").status == 0, "signs in names"
+
+
+def test_the_option_is_added_to_those_of_the_scene_and_can_be_repeated() -> None:
+    both = run(*TORQUES, "--scene", "both.toml").out
+    assert run(*TORQUES, "--scene", "fore.toml", "--payload", "upper=1").out == both
+    assert run(*TORQUES, *OPTION, "--payload", "upper=1").out == both
+
+
+@pytest.mark.slow
+def test_a_batch_has_the_option() -> None:
+    Path("more.csv").write_text(arm_motion(6))
+    assert run("torques", "arm.urdf", "arm.csv", "more.csv", "--out", "a/", "--jobs", "1", *OPTION).status == 0
+    for more, out in ((OPTION, "b.csv"), ((), "c.csv")):
+        assert run(*TORQUES, "--out", out, "--executor", "numpy", *more).status == 0
+    tables = [Path(path).read_text() for path in ("a/arm.csv", "b.csv", "c.csv")]
+    batch, alone, without = (float(text.splitlines()[-1].split(",")[1]) for text in tables)
+    assert abs(batch - alone) < 1e-12
+    assert abs(alone - without) > 1

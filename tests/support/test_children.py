@@ -135,7 +135,7 @@ def test_the_path_is_that_of_the_parent_without_the_current_folder(tmp_path: Pat
 def test_of_a_checkout_that_is_the_current_folder_only_robodyn_is_imported(tmp_path: Path) -> None:
     """By `python -m robodyn` there, though another robodyn is installed."""
     for name in ("robodyn", "cli"):
-        shutil.copytree(ROOT / name, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__"))
+        shutil.copytree(ROOT / name, tmp_path / name)
     assert children_of("", tmp_path)["robodyn"] == str(tmp_path / "robodyn" / "__init__.py")
     (tmp_path / "r.xacro").write_text('<robot name="${1 + 1}" xmlns:xacro="x"><link name="a"/></robot>')
     for name in ("json", "numpy"):

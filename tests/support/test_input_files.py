@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import os
+import re
 import socket
 from collections.abc import Iterator
 from pathlib import Path
@@ -54,9 +55,11 @@ _SEPARATE = ("robodyn/robot/urdf/xacro", "robodyn/checks/imported", "robodyn/rob
 
 def _calls() -> Iterator[tuple[str, str, int]]:
     last = {name.rpartition(".")[2] for name in OPENS}
+    called = re.compile(rf"\b({'|'.join(last)})\W*\(")
     for base in ("robodyn", "cli"):
         for path in sorted((ROOT / base).rglob("*.py")):
-            for node in ast.walk(ast.parse(path.read_text())):
+            text = path.read_text()
+            for node in ast.walk(ast.parse(text)) if called.search(text) else ():
                 if isinstance(node, ast.Call) and getattr(node.func, "attr", getattr(node.func, "id", "")) in last:
                     words = ast.unparse(node.func).split(".")
                     for name in dict.fromkeys((words[-1], ".".join(words[-2:]))):
@@ -133,11 +136,25 @@ ROBOT = """<robot name="arm">
     <limit lower="-1" upper="1" effort="9" velocity="9"/></joint>
 </robot>
 """
-NAMES = [
-    *("package.xml", "urdf/arm.urdf", "config/arm.srdf", "robodyn.toml", "pyproject.toml", "base.json", "arm.csv"),
-    *("meshes/a.obj", "meshes/b.stl", "meshes/c.dae", "meshes/d.glb", "meshes/t.png", "scene.toml", "b.csv"),
-    *("../other/package.xml", "urdf/part.xacro", "map.toml", "meshes/a.mtl"),
-]
+MANIFEST = "<package><name>{}</name></package>"
+TEXTS = {
+    "package.xml": MANIFEST.format("arm_description"),
+    "urdf/arm.urdf": ROBOT,
+    "config/arm.srdf": '<robot name="arm"><group name="g"><joint name="j"/></group></robot>',
+    "robodyn.toml": "[tool.robodyn.check]\n",
+    "pyproject.toml": "",
+    "base.json": '{"robodyn_baseline": 1, "findings": []}',
+    "arm.csv": "time,q_j\n0,0\n0.1,0\n0.2,0\n0.3,0\n",
+    "meshes/a.obj": OBJ,
+    **dict.fromkeys(("meshes/b.stl", "meshes/c.dae", "meshes/d.glb", "meshes/t.png"), ""),
+    "scene.toml": "gravity = [0, 0, -1]\n",
+    "b.csv": "time,q_j\n0,0\n0.1,0\n0.2,0\n0.3,0\n",
+    "../other/package.xml": MANIFEST.format("other"),
+    "urdf/part.xacro": "",
+    "map.toml": 'q_j = "q_j"\n',
+    "meshes/a.mtl": "",
+}
+NAMES = [*TEXTS]
 CALLS = [
     ("check", "urdf/arm.urdf", "--select", "ALL", "--trajectory", "arm.csv", "--baseline", "base.json"),
     ("check", ".", "--select", "ALL"),
@@ -155,24 +172,8 @@ CALLS = [
 def _package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     root = tmp_path / "src" / "arm_description"
     monkeypatch.setenv("ROBODYN_CACHE", "0")
-    for name in NAMES:
+    for name, text in TEXTS.items():
         (root / name).parent.mkdir(parents=True, exist_ok=True)
-        (root / name).write_text("")
-    manifest = "<package><name>{}</name></package>"
-    texts = {
-        "package.xml": manifest.format("arm_description"),
-        "../other/package.xml": manifest.format("other"),
-        "urdf/arm.urdf": ROBOT,
-        "config/arm.srdf": '<robot name="arm"><group name="g"><joint name="j"/></group></robot>',
-        "robodyn.toml": "[tool.robodyn.check]\n",
-        "base.json": '{"robodyn_baseline": 1, "findings": []}',
-        "arm.csv": "time,q_j\n0,0\n0.1,0\n0.2,0\n0.3,0\n",
-        "b.csv": "time,q_j\n0,0\n0.1,0\n0.2,0\n0.3,0\n",
-        "scene.toml": "gravity = [0, 0, -1]\n",
-        "map.toml": 'q_j = "q_j"\n',
-        "meshes/a.obj": OBJ,
-    }
-    for name, text in texts.items():
         (root / name).write_text(text)
     monkeypatch.chdir(root)
     return root

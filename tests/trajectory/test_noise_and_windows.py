@@ -154,7 +154,7 @@ def test_implied_noise_of_acceleration_is_that_of_many_noisy_copies(mode: str) -
     """By what the method makes of a unit in each sample, whose squares add up to those of all copies there could be."""
     rng, time = np.random.default_rng(7), np.arange(301) * 1e-3
     scores = []
-    for _ in range(3):
+    for _ in range(2):
         q = 2 * time + 1e-4 * rng.standard_normal(301)
         result, joint = derive(time, q, mode)
         window = re.search(r"window (\d+)", joint.acceleration)

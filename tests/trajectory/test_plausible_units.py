@@ -233,7 +233,7 @@ def test_ranges_are_those_of_all_blocks(tmp_path: Path) -> None:
 
 
 ONE = Signals((Signal("a", "angle"),))
-TIME = np.arange(0.0, 2.0, 1e-3)
+TIME = np.arange(0.0, 1.2, 1e-3)
 
 
 def swing(n: int, time: np.ndarray = TIME, hertz: float = 1.0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from math import inf, isfinite, pi
 from statistics import median
 from typing import NamedTuple
 
 import numpy as np
 
-from robodyn.checks.bodies.masses import STILL, link_poses, pose, widest
+from robodyn.checks.bodies.masses import STILL, behind, link_poses, pose, widest
 from robodyn.checks.context import Context, Group
 from robodyn.checks.meshes.files import MeshFacts, all_facts, mesh_slips
 from robodyn.programs.vectors import length, product
@@ -33,21 +33,14 @@ _NEAR = 1e-3  # metres between centres of mass that are the same
 _EXACT = 0.02
 
 
-@dataclass(frozen=True, eq=False)
-class Solid:
+class Solid(NamedTuple):
     """The box around a shape in its own axes [m], and where these are in the link's frame."""
 
     box: Box
     pose: Pose
 
-    @cached_property
-    def along_link(self) -> Box:
-        return self.box.placed(*self.pose)
-
     def placed(self, outer: Pose) -> Box:
-        if outer is STILL:
-            return self.along_link
-        return self.box.placed(product(outer.R, self.pose.R), product(outer.R, self.pose.p) + outer.p)
+        return self.box.placed(*(self.pose if outer is STILL else behind(outer, self.pose)))
 
 
 _FEWEST = 3
@@ -87,13 +80,11 @@ def other_unit(context: Context) -> tuple[float, float] | None:
     median."""
     known, densities = context.once(_sized), list[float]()
     for link in context.view.links:
-        box, mass = box_of(real_shapes(link), known, STILL), link.inertial.mass.value if link.inertial else None
+        box, mass = box_of(real_shapes(link), known, STILL), link.mass
         volume = 0.0 if box is None else float((box.hi - box.lo).prod())
         if volume > 0 and mass is not None and mass > 0:
             densities.append(mass / volume)
-    if len(densities) < _FEWEST:
-        return None
-    middle = median(densities)
+    middle = median(densities) if len(densities) >= _FEWEST else np.nan
     return next(((by, middle) for by in (1e3, 1e-3) if _LIKELY[0] <= middle * by**3 <= _LIKELY[1]), None)
 
 
@@ -104,9 +95,8 @@ def box_of(shapes: Iterable[GeometryView], known: Solids, outer: Pose) -> Box | 
 
 def link_boxes(context: Context) -> Mapping[str, Box | None]:
     """The box around the shapes of each link that has some, along its axes; None where one is unknown."""
-    known = context.once(solids)
     shaped = ((link.name, real_shapes(link)) for link in context.view.links)
-    return {name: box_of(shapes, known, STILL) for name, shapes in shaped if shapes}
+    return {name: box_of(shapes, context.once(solids), STILL) for name, shapes in shaped if shapes}
 
 
 def around_known(boxes: Sequence[Box | None]) -> Box | None:
@@ -114,17 +104,23 @@ def around_known(boxes: Sequence[Box | None]) -> Box | None:
     return around(found) if found and len(found) == len(boxes) else None
 
 
-def real_shapes(link: LinkView) -> list[GeometryView]:
-    return [geometry for geometry in link.geometries if geometry.shape is not None]
+def real_shapes(link: LinkView, *kinds: str) -> list[GeometryView]:
+    """The shapes of a link that can be read, by default of both kinds, visual and collision."""
+    return [one for one in link.geometries if one.shape is not None and (not kinds or one.kind in kinds)]
 
 
 def size_of(box: Box) -> float:
     return length(box.hi - box.lo)
 
 
+def gap(first: Box, second: Box) -> float:
+    """The distance between two boxes [m]; 0 where they meet."""
+    return length(np.maximum(np.maximum(first.lo - second.hi, second.lo - first.hi), 0.0))
+
+
 def outside(box: Box, point: Floats) -> float:
-    """Return the distance of a point (3,) from the box [m]; 0 within."""
-    return length(np.maximum(np.maximum(box.lo - point, point - box.hi), 0.0))
+    """The distance of a point (3,) from the box [m]; 0 within."""
+    return gap(box, Box(point, point))
 
 
 class Shaped(NamedTuple):
@@ -142,8 +138,7 @@ def shaped(context: Context) -> Mapping[str, Shaped]:
     known, facts = context.once(solids), context.once(all_facts)
     found = {}
     for link in context.view.links:
-        shapes = real_shapes(link)
-        shapes = [shape for shape in shapes if shape.kind == "visual"] or shapes
+        shapes = real_shapes(link, "visual") or real_shapes(link)
         if not shapes or not all(shape in known for shape in shapes):
             continue
         parts, definite = [], True

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robodyn.checks.bodies.bodies import Solid, Solids, box_of, real_shapes, size_of, solids
+from robodyn.checks.bodies.bodies import Solid, Solids, box_of, gap, real_shapes, size_of, solids
 from robodyn.checks.bodies.masses import STILL
 from robodyn.checks.context import Context
 from robodyn.checks.meshes.files import reach
@@ -71,49 +71,38 @@ class _Link(NamedTuple):
 def misfits(context: Context) -> tuple[Misfit, ...]:
     """Return at most one collision shape of each link that is not what is seen."""
     known, found = context.once(solids), list[Misfit]()
-    visual = cache(lambda link: box_of(_of_kind(link, "visual"), known, STILL))
+    visual = cache(lambda link: box_of(real_shapes(link, "visual"), known, STILL))
     for link in context.view.links:
-        felt, seen = _of_kind(link, "collision"), _of_kind(link, "visual")
-        if not felt:
-            continue
+        felt, seen = real_shapes(link, "collision"), real_shapes(link, "visual")
         one = _Link(link, felt, seen, box_of(felt, known, STILL), visual(link), known)
         own, box = one.seen_box, one.felt_box
-        if (lost := _origin_lost(one)) is not None:
-            found.append(lost)
-            continue
-        if own is not None and box is not None and len(felt) == 1:
-            corners = length(own.lo - box.lo), length(own.hi - box.hi)
-            if max(corners) <= max(_ASIDE * size_of(own), _LEAST):
-                continue
+        fits = own and box and len(felt) == 1 and corners(own, box) <= max(_ASIDE * size_of(own), _LEAST)
         others = _foreign(one, visual, context), _aside(one), _scaled(one), _enormous(one, context), _exchanged(one)
-        found += islice(chain(*others, _away(one), _unlike(one)), 1)
+        found += islice(chain(_origin_lost(one), *(() if fits else (*others, _away(one), _unlike(one)))), 1)
     return tuple(found)
 
 
-def _origin_lost(one: _Link) -> Misfit | None:
+def corners(box: Box, other: Box) -> float:
+    """How far two boxes are from each other by their corners, lo from lo and hi from hi, whichever is more [m]."""
+    return max(length(box.lo - other.lo), length(box.hi - other.hi))
+
+
+def _origin_lost(one: _Link) -> Iterator[Misfit]:
     """One mesh each for both, which fit each other where they have the same origin, and as it stands are apart."""
-    if len(one.felt) != 1 or len(one.seen) != 1 or not {one.felt[0], one.seen[0]} <= one.known.keys():
-        return None
-    felt, seen = one.known[one.felt[0]], one.known[one.seen[0]]
-    places = felt.along_link, Solid(felt.box, seen.pose).along_link
-    own = seen.along_link
-    now, then = (max(length(own.lo - box.lo), length(own.hi - box.hi)) for box in places)
-    if (
-        now <= _LEAST
-        or then > min(_TOGETHER * size_of(own), now / _NEARER)
-        or {one.felt[0].tag, one.seen[0].tag} != {"mesh"}
-    ):
-        return None
-    what = f"its collision mesh is not where its visual is, but up to {now:.3g} m from there"
-    return Misfit(one.felt[0], what, "give both the same <origin>", now, _LEAST)
+    if one.seen_box is None or one.felt_box is None or [shape.tag for shape in (*one.felt, *one.seen)] != ["mesh"] * 2:
+        return
+    alike = one.known[one.felt[0]]._replace(pose=one.known[one.seen[0]].pose).placed(STILL)
+    now, then = (corners(one.seen_box, box) for box in (one.felt_box, alike))
+    if now > _LEAST and then <= min(_TOGETHER * size_of(one.seen_box), now / _NEARER):
+        what = f"its collision mesh is not where its visual is, but up to {now:.3g} m from there"
+        yield Misfit(one.felt[0], what, "give both the same <origin>", now, _LEAST)
 
 
 def _foreign(one: _Link, visual: Callable[[LinkView], Box | None], context: Context) -> Iterator[Misfit]:
     """A collision mesh that fits what is seen of another link; it does not fit its own."""
     own, box = one.seen_box, one.felt_box
-    if own is None or box is None or shared(own, box) > _OWN or any(shape.tag != "mesh" for shape in one.felt):
+    if own is None or box is None or (fit := shared(own, box)) > _OWN or {shape.tag for shape in one.felt} != {"mesh"}:
         return
-    fit = shared(own, box)
     others = [(other.name, shared(seen, box)) for other in context.view.links if (seen := visual(other)) is not None]
     name, best = max(others, key=lambda each: each[1])
     if best >= _OTHER:
@@ -199,11 +188,10 @@ def _away(one: _Link) -> Iterator[Misfit]:
         return
     for shape in (shape for shape in one.felt if shape in one.known):
         box = one.known[shape].placed(STILL)
-        gap = length(np.maximum(np.maximum(own.lo - box.hi, box.lo - own.hi), 0.0))
-        bound = max(_APART * max(size_of(own), size_of(box)), _LEAST)
-        if gap > bound:
-            what = f"there are {gap:.3g} m between its collision {shape.tag} and its visual"
-            yield Misfit(shape, what, "check the <origin> of both", gap, bound)
+        between, bound = gap(own, box), max(_APART * max(size_of(own), size_of(box)), _LEAST)
+        if between > bound:
+            what = f"there are {between:.3g} m between its collision {shape.tag} and its visual"
+            yield Misfit(shape, what, "check the <origin> of both", between, bound)
 
 
 def _unlike(one: _Link) -> Iterator[Misfit]:
@@ -224,10 +212,6 @@ def shared(first: Box, second: Box) -> float:
         return 0.0
     both = float(sides.prod())
     return both / (float((first.hi - first.lo).prod()) + float((second.hi - second.lo).prod()) - both)
-
-
-def _of_kind(link: LinkView, kind: str) -> list[GeometryView]:
-    return [shape for shape in real_shapes(link) if shape.kind == kind]
 
 
 def _sides(shape: GeometryView, known: Solids) -> Floats:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robodyn.checks.bodies.bodies import link_boxes, real_shapes, size_of, solids
+from robodyn.checks.bodies.bodies import gap, link_boxes, real_shapes, size_of, solids
 from robodyn.checks.bodies.collision_fit import misfits
 from robodyn.checks.bodies.masses import STILL, behind, pose, relative
 from robodyn.checks.context import Context, Group
@@ -18,6 +18,7 @@ from robodyn.checks.meshes.files import all_facts, extremes, mesh_names, spread_
 from robodyn.checks.srdf import own_srdf
 from robodyn.programs.vectors import length, product, rotation_about
 from robodyn.robot.kinematics import Pose
+from robodyn.robot.urdf.parts import WITH_RANGE
 from robodyn.robot.urdf.view import GeometryView, JointView, LinkView
 from robodyn.solids.inertia.validity import Box
 from robodyn.support.floats import Floats
@@ -50,20 +51,17 @@ def rest_poses(context: Context) -> Mapping[str, Pose]:
 
 
 def joint_pose(joint: JointView) -> Pose | None:
-    """The pose of the child in the parent's frame at rest; None where it cannot be read."""
-    fixed, axis, q = pose(joint.origin), joint.axis.or_default(1.0, 0.0, 0.0), rest(joint)
+    """The pose of the child in the parent's frame at rest, at 0 or the limit next to it; None where it cannot be
+    read."""
+    fixed, axis = pose(joint.origin), joint.axis.or_default(1.0, 0.0, 0.0)
+    ends = joint.limit.range if joint.limit is not None and joint.type in WITH_RANGE else None
+    q = min(max(0.0, ends[0]), ends[1]) if ends is not None and ends[0] <= ends[1] else 0.0
     if fixed is None or axis is None or not q or not any(axis):
         return fixed
     unit = np.array(axis) / length(np.array(axis))
     if joint.type == "prismatic":
         return Pose(fixed.R, fixed.p + product(fixed.R, unit) * q)
     return Pose(product(fixed.R, rotation_about(unit, q).astype(float)), fixed.p)
-
-
-def rest(joint: JointView) -> float:
-    ends = None if joint.limit is None else joint.limit.range
-    limited = joint.type in ("revolute", "prismatic") and ends is not None and ends[0] <= ends[1]
-    return min(max(0.0, ends[0]), ends[1]) if limited and ends is not None else 0.0
 
 
 class Contact(NamedTuple):
@@ -143,7 +141,7 @@ class Sides:
                 first, second = self.boxes[name], self.boxes[other]
                 there = relative(self.poses[other], inner)
                 # the larger of the distances along the axes of either: the shapes in the boxes are no nearer
-                far = max(_apart(first.placed(*there), second), _apart(first, second.placed(*relative(there, STILL))))
+                far = max(gap(first.placed(*there), second), gap(first, second.placed(*relative(there, STILL))))
                 if best is None or far < best.gap:
                     best = Contact(far, max(size_of(first), size_of(second)), other)
                 if not far:
@@ -165,10 +163,6 @@ class Sides:
                 above = [link.name for link in group.links if link.name in self.shaped and link.name not in inside]
                 group = group.parent
         return [name for name in branch if name in self.shaped], [name for name in above if name in self.shaped]
-
-
-def _apart(first: Box, second: Box) -> float:
-    return length(np.maximum(np.maximum(first.lo - second.hi, second.lo - first.hi), 0.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -223,31 +217,23 @@ def _least_depth(first: Hull, second: Hull, directions: Floats) -> tuple[float, 
     return float(shared[k]), directions[k]
 
 
-class Overlap(NamedTuple):
-    """Two links, in the order of the file, the collision shape of the second, and how deep they overlap [m]."""
-
-    first: LinkView
-    second: LinkView
-    shape: GeometryView
-    depth: float
-
-
-def overlaps(context: Context) -> list[Overlap]:
-    """Return the pairs of links that overlap at rest, the deepest first, but for links that one joint or fixed joints
-    connect, those for which the SRDF disables collisions, and shapes that are misfits. From stage TREE on."""
+def overlaps(context: Context) -> list[tuple[float, LinkView, LinkView, GeometryView]]:
+    """Return the pairs of links that overlap at rest, the deepest first: how deep [m], the links in the order of the
+    file, and the collision shape of the second; but for links that one joint or fixed joints connect, those for which
+    the SRDF disables collisions, and shapes that are misfits. From stage TREE on."""
     misplaced, srdf = {misfit.geometry for misfit in context.once(misfits)}, own_srdf(context)
     known, poses = context.once(solids), context.once(rest_poses)
     shapes = [
         (link, shape, known[shape].placed(poses[link.name]))
         for link in context.view.links
-        for shape in real_shapes(link)
-        if shape.kind == "collision" and shape in known and link.name in poses and shape not in misplaced
+        for shape in real_shapes(link, "collision")
+        if shape in known and link.name in poses and shape not in misplaced
     ]
     pairs = [] if srdf is None else srdf.root.findall("disable_collisions")
     disabled = {frozenset((pair.get("link1"), pair.get("link2"))) for pair in pairs}
     hull, group = cache(partial(_hull, context)), context.tree.group
     neighbours = cache(lambda one, other: one is other or _hangs_on(one, other) or _hangs_on(other, one))
-    found: dict[tuple[str, str], Overlap] = {}
+    found: dict[tuple[str, str], tuple[float, LinkView, LinkView, GeometryView]] = {}
     tried = Counter[tuple[str, str]]()
     for k, n, shared in _meeting([box for *_, box in shapes], [link.name for link, *_ in shapes]):
         (link, shape, box), (other, its, its_box) = shapes[k], shapes[n]
@@ -258,11 +244,11 @@ def overlaps(context: Context) -> list[Overlap]:
         if tried[names] > _MOST_PAIRS:
             continue
         one, two, before = hull(link, shape), hull(other, its), found.get(names)
-        bound = bound if before is None else max(bound, before.depth)
+        bound = bound if before is None else max(bound, before[0])
         deep = 0.0 if one is None or two is None else depth(one, two, bound)
         if deep:
-            found[names] = Overlap(link, other, its, deep)
-    return sorted(found.values(), key=lambda overlap: -overlap.depth)
+            found[names] = deep, link, other, its
+    return sorted(found.values(), key=lambda overlap: -overlap[0])
 
 
 def _hangs_on(group: Group, other: Group) -> bool:

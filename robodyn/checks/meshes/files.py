@@ -8,11 +8,10 @@ import os
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
-from enum import Enum
 from functools import cache
 from math import dist
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -31,6 +30,7 @@ from robodyn.support.wording import count, shown_path
 _NOT_FINITE = "coordinates must be finite"
 _LARGEST = 400_000  # triangles up to which the shells of a closed surface are told from each other
 _LARGEST_OPEN = 50_000  # triangles up to which the gaps of an open surface are looked at: a quarter of a second
+_BLOCK = 2700  # triangles whose corners are looked at together
 _SHARD = 1 << 20  # bytes kept in each of 256 folders: a few thousand meshes, listed in no time
 _LONGEST, _SHORTEST = 20.0, 1e-3
 """Metres beyond which no part of a robot is; and, for such ones, of its sizes over the reach of the robot's joints."""
@@ -175,9 +175,6 @@ def spread_out(count: int) -> Floats:
     return np.stack((across * np.cos(turn), across * np.sin(turn), z), axis=1)
 
 
-_DIRECTIONS, _PART = spread_out(240), 8192  # and the points that are looked at together
-
-
 def extremes(path: Path, digest: str) -> Floats | None:
     """Return (k, 3) the points of a mesh that lie farthest in 240 directions, in metres before any scale of the URDF;
     None where it cannot be read. They are kept by the digest of the file's content, unless it is empty. Accuracy: their
@@ -188,30 +185,20 @@ def extremes(path: Path, digest: str) -> Floats | None:
         return np.frombuffer(data).reshape(-1, 3)
     from robodyn.solids.mesh.read.load import load_triangles
 
-    best, farthest = np.zeros((len(_DIRECTIONS), 3)), np.full(len(_DIRECTIONS), -np.inf)
+    directions, farthest = spread_out(240), np.zeros((0, 3))
     try:
         triangles = load_triangles(path)
-        for block in triangles.blocks():
-            points = np.asarray(block, float).reshape(-1, 3)
-            for part in np.split(points, range(_PART, len(points), _PART)):
-                reach = part @ _DIRECTIONS.T
-                most = reach.argmax(axis=0)
-                reach = reach[most, np.arange(len(_DIRECTIONS))]
-                best[reach > farthest] = part[most[reach > farthest]]
-                farthest = np.maximum(reach, farthest)
+        for block in triangles.blocks(_BLOCK):
+            points = np.concatenate((farthest, np.asarray(block, float).reshape(-1, 3)))
+            farthest = points[(points @ directions.T).argmax(axis=0)]
     except MeshError:
         return None
-    points = np.unique(best * triangles.scale, axis=0)
+    points = np.unique(farthest * triangles.scale, axis=0)
     store.put(key, points.tobytes())
     return points
 
 
-class State(Enum):
-    FOUND = "there"
-    OTHER_CASE = "there in another case"
-    MISSING = "not there"
-    UNKNOWN = "in a package of which nothing is known"
-    REMOTE = "somewhere else"
+State = Literal["there", "there in another case", "not there", "in an unknown package", "on another machine"]
 
 
 class MeshUse(NamedTuple):
@@ -267,13 +254,19 @@ def all_facts(context: Context) -> Mapping[str, MeshFacts]:
     return {name.uri: known[name.path] for name in names if name.path is not None}
 
 
+def _names(folder: Path) -> frozenset[str]:
+    with suppress(OSError, ValueError):
+        return frozenset(os.listdir(folder))
+    return frozenset()
+
+
 class MeshSearch:
     """How names are looked up; folders are listed once."""
 
     def __init__(self, context: Context) -> None:
         self._bytes = context.reading.file == STDIN
         self._search = context.search
-        self._listed: dict[Path, frozenset[str]] = {}
+        self._names = cache(_names)
 
     def find(self, uri: str, uses: tuple[MeshUse, ...]) -> MeshName:
         path = self._search.find(uri)
@@ -281,14 +274,14 @@ class MeshSearch:
         for root, prefix, rest in self._roots(uri):
             name = self._true_name(root, rest)
             if name is not None and name != rest and (path is None or path == root / rest):
-                return MeshName(uri, uses, State.OTHER_CASE, root / name, prefix + name)
+                return MeshName(uri, uses, "there in another case", root / name, prefix + name)
             if path == root / rest:
                 break
         if path is not None:
-            return MeshName(uri, uses, State.FOUND, path)
+            return MeshName(uri, uses, "there", path)
         if separator and scheme not in ("file", "package", "model"):
-            return MeshName(uri, uses, State.REMOTE)
-        return MeshName(uri, uses, State.MISSING if self._known(uri) else State.UNKNOWN)
+            return MeshName(uri, uses, "on another machine")
+        return MeshName(uri, uses, "not there" if self._known(uri) else "in an unknown package")
 
     def _roots(self, uri: str) -> Iterator[tuple[Path, str, str]]:
         """Yield folders that exist, what of the name stands for them, and the path in them."""
@@ -320,13 +313,6 @@ class MeshSearch:
             root = root / alike[0]
             parts += alike
         return "/".join(parts)
-
-    def _names(self, folder: Path) -> frozenset[str]:
-        if folder not in self._listed:
-            self._listed[folder] = frozenset()
-            with suppress(OSError, ValueError):
-                self._listed[folder] = frozenset(os.listdir(folder))
-        return self._listed[folder]
 
 
 class UnitSlip(NamedTuple):

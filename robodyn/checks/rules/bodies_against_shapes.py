@@ -89,8 +89,7 @@ def _beyond_box(body: Body) -> Fault | None:
     ratio = float(spread[axis] / bound[axis])
     if ratio <= _SLIGHT:
         return None
-    wherever = spread[axis] > sides[axis] ** 2 / 4
-    severity = WARNING if ratio > FAR and wherever else NOTE
+    severity = WARNING if ratio > FAR and spread[axis] > sides[axis] ** 2 / 4 else NOTE
     what = f"along {'xyz'[axis]} its inertia needs {figure(ratio)} times the second moment that any mass in the box"
     what += " around the shapes can have"
     return _fault(body, severity, what, float(spread[axis]), float(bound[axis]))
@@ -226,13 +225,9 @@ def density_out_of_band(context: Context) -> Faults:
     for group in context.tree.groups:
         if not group.mass or group.mass < limits.least_mass or any(link.name in explained for link in group.links):
             continue
-        seen = any(shape.kind == "visual" for link in group.links for shape in real_shapes(link))
-        boxes = []
-        for link in group.links:
-            shapes = [shape for shape in real_shapes(link) if shape.kind == "visual" or not seen]
-            if shapes:
-                boxes.append(box_of(shapes, known, poses[link.name]) if link.name in poses else None)
-        box = around_known(boxes)
+        kinds = ("visual",) if any(real_shapes(link, "visual") for link in group.links) else ()
+        each = ((real_shapes(link, *kinds), poses.get(link.name)) for link in group.links)
+        box = around_known([box_of(shapes, known, at) if at else None for shapes, at in each if shapes])
         volume = 0.0 if box is None else float((box.hi - box.lo).prod())
         if not volume > 0:
             continue

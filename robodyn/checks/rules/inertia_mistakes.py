@@ -10,7 +10,7 @@ import numpy as np
 from robodyn.checks.bodies.bodies import bodies, given, shaped, weighed
 from robodyn.checks.bodies.masses import Tensor, broken_law
 from robodyn.checks.examples import IMAGE, SHAPED_INERTIA, a_shaped_link, inertia, two_arms
-from robodyn.checks.mirror import Pair, link_inertia, pairs
+from robodyn.checks.mirror import Pair, apart, both_ways, link_inertia, pairs
 from robodyn.checks.rule import ERROR, TREE, WARNING, Context, Edit, Fault, Faults, Fix, rule
 from robodyn.programs.vectors import product
 from robodyn.robot.masses.mistakes import COPIED, NINE, QUANTITIES, UPPER, Given, Mistake, corrections
@@ -82,10 +82,6 @@ def _allowed(context: Context, link: LinkView, I: Floats) -> bool:
     return not broken_law(tuple(I[UPPER].tolist()), context.thresholds) and (away is None or away <= _BEYOND)
 
 
-def _apart(I: Floats, other: Floats) -> float:
-    return float(np.abs(I - other).max() / max(np.abs(I).max(), np.abs(other).max()))
-
-
 def _explained(
     context: Context, link: LinkView, said: Given, image: Floats | None = None
 ) -> list[tuple[Mistake, Floats]]:
@@ -93,8 +89,8 @@ def _explained(
     there is one; of one kind and correction the first."""
     kept: list[tuple[Mistake, Floats]] = []
     for mistake, I in zip(*corrections(said), strict=True):
-        fits = mistake.common if image is None else _apart(I, image) <= SAME
-        again = any(mistake.code == other.code and _apart(I, J) <= SAME for other, J in kept)
+        fits = mistake.common if image is None else apart(I, image) <= SAME
+        again = any(mistake.code == other.code and apart(I, J) <= SAME for other, J in kept)
         if fits and not again and _allowed(context, link, I):
             kept.append((mistake, I))
     return kept
@@ -121,8 +117,7 @@ def explained(context: Context, fault: Fault, link: LinkView) -> Fault:
 def _of_another(context: Context, link: LinkView, said: Given) -> Fix | None:
     """The tensor to write where it is not known what went wrong: the mirror image of the twin's or, where the one that
     stands there is farther from it than it is large, that of the link's shapes at its mass."""
-    for pair in context.once(pairs):
-        twin = pair.turned if pair.left.name == link.name else pair
+    for twin in both_ways(context):
         left = twin.left.inertial
         if twin.right.name != link.name or left is None or not left.mass > 0 or twin.left.name in context.once(causes):
             continue
@@ -165,7 +160,7 @@ def _cause(context: Context, link: LinkView, twin: Pair | None) -> Cause | None:
     physical = broken_law(said.entries, context.thresholds) is None
     if verdict is not None and verdict.named:
         first, code = verdict.named[0], verdict.named[0].mistake.code
-        alike = [one for one in verdict.named if _apart(one.I, first.I) <= SAME]
+        alike = [one for one in verdict.named if apart(one.I, first.I) <= SAME]
         share = sum(one.probability for one in alike) / sum(one.probability for one in verdict.named)
         now, then = (f"{figure(round(100 * part, 2), 2)} %" for part in (verdict.apart, first.apart))
         shown = f"corrected, it is {then} from the inertia of the link's shapes, as it stands {now}"
@@ -188,7 +183,7 @@ def _by_twin(context: Context, link: LinkView, said: Given, twin: Pair, physical
     reflected, copy = (product(said.R.T, I, said.R) for I in (twin.reflected(left)[1], link_inertia(left)[1]))
     image = said.mass / left.mass * reflected
     impossible = broken_law(tuple(image[UPPER].tolist()), context.thresholds)
-    if impossible or (physical and _apart(said.tensor, image) <= DIFFERENT):
+    if impossible or (physical and apart(said.tensor, image) <= DIFFERENT):
         return None
     if physical and bool(np.abs(said.tensor - copy).max() <= 1e-6 * np.abs(copy).max()):
         return Cause("RD313", COPIED, None, None, physical)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from math import degrees
-from typing import NamedTuple
 
 import numpy as np
 
@@ -147,25 +146,10 @@ def around(parents: Sequence[int], targets: frozenset[int]) -> list[int]:
     return sorted(above | below)
 
 
-class StaticTorque(NamedTuple):
-    """The torque of largest magnitude that was found of a joint at rest, with its sign, gravity being (0, 0, -9.81)
-    along the root's axes [N m or N], and the pose (n,), with joints that do not matter nearest to 0 [rad or m]."""
-
-    joint: Joint
-    torque: float
-    q: Floats
-
-
-class GravityBound(NamedTuple):
-    """What the weight of `own`, all that a joint carries, or of the `whole` robot, as of a leg that stands, can be
-    about the joint at the farthest reach of what the joint carries, of the whole at 5 cm at least [N m or N]."""
-
-    own: float
-    whole: float
-
-
-def static_torques(context: Context) -> tuple[StaticTorque, ...]:
-    """Return the most that gravity asks of joints whose effort limits it might exceed, by a bound. From stage MODEL on.
+def static_torques(context: Context) -> list[tuple[Joint, float, Floats]]:
+    """Return the most that gravity asks of joints whose effort limits it might exceed, by a bound: the joint, the
+    torque of largest magnitude that was found at rest, with its sign, gravity being (0, 0, -9.81) along the root's axes
+    [N m or N], and the pose (n,), with joints that do not matter nearest to 0 [rad or m]. From stage MODEL on.
 
     Method: in the angle of one joint the torque is a + b cos q + c sin q, so that its best angle within the limits is
     known, and going through the joints again and again only ever raises the torque: from STARTS poses up and as many
@@ -176,17 +160,17 @@ def static_torques(context: Context) -> tuple[StaticTorque, ...]:
         poses none asks for more than 1.02 times as much."""
     model = context.model
     if len(model.bodies) > MOST_BODIES or any(body.joint.kind == "floating" for body in model.bodies):
-        return ()
+        return []
     followed = {body.joint.coordinate for body in model.bodies if body.joint.mimics is not None}
     bounds = context.once(gravity_bounds)
     joints = {
         i: body.joint
         for i, body in enumerate(model.bodies)
         if body.joint.mimics is None and body.joint.coordinate not in followed
-        if body.joint.effort and 0.0 < body.joint.effort < bounds[body.joint.name].own
+        if body.joint.effort and 0.0 < body.joint.effort < bounds[body.joint.name][0]
     }
     if not joints:
-        return ()
+        return []
     low, high = position_ranges(model)
     sweep = Sweep(model, [*joints], low, high, np.array([k not in followed for k in range(model.n)]))
     last = sweep.improve()
@@ -202,8 +186,8 @@ def static_torques(context: Context) -> tuple[StaticTorque, ...]:
         matter = [model.bodies[j].joint.coordinate for j in around(model.parents, frozenset({i}))[1:]]
         q = np.clip(np.zeros(model.n), low, high)
         q[matter] = poses[k, worst, matter]
-        found.append(StaticTorque(joint, float(torques[k, worst]), q))
-    return tuple(found)
+        found.append((joint, float(torques[k, worst]), q))
+    return found
 
 
 def position_ranges(model: Model) -> tuple[Floats, Floats]:
@@ -228,8 +212,10 @@ def starts(low: Floats, high: Floats) -> Floats:
     return np.asarray(low + spread * (high - low))
 
 
-def gravity_bounds(context: Context) -> Mapping[str, GravityBound]:
-    """What no pose exceeds, by joint, from the sum of the lengths on the way and what turns it. From stage MODEL on."""
+def gravity_bounds(context: Context) -> Mapping[str, tuple[float, float]]:
+    """What the weight of all that a joint carries and of the whole robot, as of a leg that stands, can be about it in
+    no pose, by joint, from the sum of the lengths on the way to the farthest part of what it carries, of the whole at 5
+    cm at least, and what turns it [N m or N]. From stage MODEL on."""
     model = context.model
     count = len(model.bodies)
     carried, reach, tilt = np.zeros(count), np.zeros(count), np.ones(count)
@@ -250,7 +236,7 @@ def gravity_bounds(context: Context) -> Mapping[str, GravityBound]:
             reach[i] = max(reach[i], length(body.inertia.mc) / mass)
         lever = 1.0 if joint.kind == "prismatic" else float(reach[i])
         whole = model.total_mass * GRAVITY * max(lever, _LEAST_LEVER)
-        bounds[joint.name] = GravityBound(float(carried[i]) * GRAVITY * lever * float(tilt[i]), whole)
+        bounds[joint.name] = float(carried[i]) * GRAVITY * lever * float(tilt[i]), whole
         if body.parent >= 0:
             carried[body.parent] += carried[i]
             slide = max(abs(joint.lower or 0.0), abs(joint.upper or 0.0)) if joint.kind == "prismatic" else 0.0
@@ -319,25 +305,25 @@ def static_torque(context: Context) -> Faults:
     part of URDF, and no robot has to hold still in every pose. Loads, motion and friction come on top: robodyn torques
     computes them. Silent where a part is detached (RD111)."""
     silent = bool(context.once(detached)) or context.once(other_unit) is not None
-    for one in () if silent else context.once(static_torques):
-        limit, joint = context.view.joint[one.joint.name].limit, one.joint
-        if limit is None or joint.effort is None or abs(one.torque) <= (1.0 + _SLACK) * joint.effort:
+    for joint, torque, q in [] if silent else static_torques(context):
+        limit = context.view.joint[joint.name].limit
+        if limit is None or joint.effort is None or abs(torque) <= (1.0 + _SLACK) * joint.effort:
             continue
         unit, values = "N" if joint.kind == "prismatic" else "N m", list[str]()
         for other in context.model.independent:
-            value = one.q[other.coordinate]
+            value = q[other.coordinate]
             if abs(value) > 1e-3:
                 text = f"{value:.3g} m" if other.kind == "prismatic" else f"{degrees(value):.0f} deg"
                 values.append(f"{other.name} = {text}")
         more = f" and {len(values) - _MOST_JOINTS} more" if len(values) > _MOST_JOINTS else ""
         pose = ", ".join(values[:_MOST_JOINTS]) + more if values else "q = 0"
         what = (
-            f"the robot's own weight asks for {abs(one.torque):.4g} {unit} at rest, more than the effort limit "
+            f"the robot's own weight asks for {abs(torque):.4g} {unit} at rest, more than the effort limit "
             f"{joint.effort:g}, at {pose}"
         )
         remedy = "raise the limit, lower masses or levers, or narrow the ranges; a counterbalance deserves a waiver"
-        severity = None if abs(one.torque) >= _MUCH * joint.effort else NOTE
-        yield Fault(limit.effort.span, what, remedy, abs(one.torque), joint.effort, severity=severity, kind=_KIND)
+        severity = None if abs(torque) >= _MUCH * joint.effort else NOTE
+        yield Fault(limit.effort.span, what, remedy, abs(torque), joint.effort, severity=severity, kind=_KIND)
 
 
 FACTOR = 1000.0
@@ -360,7 +346,7 @@ def absurd_effort(context: Context) -> Faults:
     bounds, explained = context.once(gravity_bounds), context.once(of_numbers)
     for joint in context.model.independent:
         limit = None if joint.name not in context.view.joint else context.view.joint[joint.name].limit
-        most = bounds[joint.name].whole
+        _, most = bounds[joint.name]
         if limit is None or joint.effort is None or id(limit.effort) in explained:
             continue
         if not FACTOR * most < joint.effort <= context.thresholds.most_effort or not most > 0.0:

@@ -81,7 +81,7 @@ def massless_group(context: Context) -> Faults:
         with_it = f" with {listed([link.name for link in group.links[1:]])}" if len(group.links) > 1 else ""
         what = f"joint '{group.joint.name}' moves it{with_it}, and it has no mass"
         what += f"; what it carries has {carried[group]:g} kg" if onward else ""
-        shaped = any(shape.kind == "collision" for link in group.links for shape in real_shapes(link))
+        shaped = any(real_shapes(link, "collision") for link in group.links)
         does = "invents a mass from its collision shapes" if shaped else "refuses it"
         what += f"; MuJoCo {does}, Gazebo drops it" + " and what it carries" * onward
         remedy = "add an <inertial>" if onward else "add an <inertial>, or make the joint fixed"

@@ -11,7 +11,7 @@ from pathlib import Path
 from robodyn.checks.context import STDIN
 from robodyn.checks.examples import a_joint, a_link, a_mesh, a_shaped_link, arm
 from robodyn.checks.importers import READS, unread
-from robodyn.checks.meshes.files import MeshFacts, MeshName, State, all_facts, mesh_names, mesh_slips, mesh_uses
+from robodyn.checks.meshes.files import MeshFacts, MeshName, all_facts, mesh_names, mesh_slips, mesh_uses
 from robodyn.checks.rule import ERROR, NOTE, WARNING, Context, Fault, Faults, Fix, Severity, rule
 from robodyn.robot.urdf.sources import EXPANDED, home_of, package_name, package_of
 from robodyn.robot.urdf.view import value_span
@@ -41,9 +41,9 @@ def mesh_missing(context: Context) -> Faults:
             yield Fault(use.at, "the mesh names no file", 'write filename="..."')
     names = context.once(mesh_names).values()
     for name in names:
-        if name.state is State.MISSING:
+        if name.state == "not there":
             yield _missing(context, name)
-        elif name.state is State.REMOTE:
+        elif name.state == "on another machine":
             remedy = "save it in the package: few programs fetch meshes"
             yield name.fault("is not on this machine", remedy, WARNING)
     yield from _of_strange_packages(context)
@@ -59,7 +59,7 @@ def _of_strange_packages(context: Context) -> Faults:
     for name in context.once(mesh_names).values():
         package = package_of(name.uri)
         known = package is None or not package[0] or context.search.share(package[0]) is not None
-        if name.state is State.UNKNOWN or (name.path is not None and not known):
+        if name.state == "in an unknown package" or (name.path is not None and not known):
             strange.setdefault("" if package is None else package[0], []).append(name)
     neighbours = context.search.neighbours if strange else []
     for stranger, names in strange.items():
@@ -117,7 +117,7 @@ def mesh_case(context: Context) -> Faults:
     Windows and macOS find a mesh whose name differs in case, Linux does not: the description works for its author and
     for nobody else. The examples stand beside a file `part.stl`."""
     for name in context.once(mesh_names).values():
-        if name.state is not State.OTHER_CASE or name.found is None:
+        if name.state != "there in another case" or name.found is None:
             continue
         fix = name.renamed(name.found)
         yield name.fault("is there in another case", fix.what, fix=fix)
@@ -157,7 +157,7 @@ def _why(context: Context, name: MeshName) -> str | None:
         places = [Path(os.path.normpath(folder.absolute() / uri)) for folder in context.search.folders]
         if all(root not in place.parents for place in places):
             return "leads out of this file's package"
-    if name.state is not State.FOUND:
+    if name.state != "there":
         return None
     return "has \\ between folders, which Windows alone reads" if "\\" in uri else _found_elsewhere(context, name)
 
@@ -197,36 +197,28 @@ def mesh_surface(context: Context) -> Faults:
     for uri, facts in context.once(all_facts).items():
         name = context.once(mesh_names)[uri]
         found = _wrong(facts, name)
-        if found is not None and name.state is not State.OTHER_CASE:
+        if found is not None and name.state != "there in another case":
             yield name.fault(found[0], _REMEDY, found[1])
 
 
 def _wrong(facts: MeshFacts, name: MeshName) -> tuple[str, Severity] | None:
-    if not facts.finite:
-        return f"has a coordinate that is no number: {facts.problem}", WARNING
-    if facts.inverted:
-        inside_out = "is inside out" if facts.volume < 0 else f"has {facts.inverted} shells that are inside out"
-        return inside_out, WARNING
-    if facts.doubt:
-        return f"may not be whole: {facts.doubt}", WARNING
     gives_mass = any(use.geometry.kind == "collision" and use.link.inertial is None for use in name.uses)
-    what, severity = None, WARNING if gives_mass else NOTE
-    if facts.one_sided:
-        what = f"has {facts.one_sided} faces in surfaces with one side only: it encloses nothing"
-    elif facts.mixed:
-        what = "has faces wound against their neighbours"
-    elif not facts.closed and facts.problem is None:
-        what = "is not closed" if facts.mended is None else "is closed but for faces without area, or given twice"
-        if facts.left:
-            share = figure(100 * facts.missing, 2)
-            what = f"is not closed: {share} % of its surface is missing, in gaps that are too large to be filled"
-        elif facts.mended:
-            what = f"is open by small gaps only ({facts.mended}): filled, it encloses a volume"
-        severity = severity if facts.left or facts.mended is None else NOTE
-    elif facts.overlapping:
-        what = "has shells that overlap: what they share counts twice where they are not united"
-        severity = NOTE
-    return None if what is None else (what, severity)
+    severity, is_open = WARNING if gives_mass else NOTE, not facts.closed and facts.problem is None
+    inverted = "is inside out" if facts.volume < 0 else f"has {facts.inverted} shells that are inside out"
+    missing = f"is not closed: {figure(100 * facts.missing, 2)} % of its surface is missing"
+    said = (
+        (not facts.finite, WARNING, f"has a coordinate that is no number: {facts.problem}"),
+        (facts.inverted, WARNING, inverted),
+        (facts.doubt, WARNING, f"may not be whole: {facts.doubt}"),
+        (facts.one_sided, severity, f"has {facts.one_sided} faces in surfaces with one side only: it encloses nothing"),
+        (facts.mixed, severity, "has faces wound against their neighbours"),
+        (is_open and facts.left, severity, f"{missing}, in gaps that are too large to be filled"),
+        (is_open and facts.mended is None, severity, "is not closed"),
+        (is_open and facts.mended, NOTE, f"is open by small gaps only ({facts.mended}): filled, it encloses a volume"),
+        (is_open, NOTE, "is closed but for faces without area, or given twice"),
+        (facts.overlapping, NOTE, "has shells that overlap: what they share counts twice where they are not united"),
+    )
+    return next(((what, how_bad) for holds, how_bad, what in said if holds), None)
 
 
 _MESH = '<mesh filename="millimetres.stl" scale="0.001 0.001 0.001"/>'

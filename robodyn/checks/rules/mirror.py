@@ -2,27 +2,25 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator, Sequence
 from functools import cache
 from itertools import combinations
 from math import acos, degrees, isclose, pi, radians
-from pathlib import Path
 
 import numpy as np
 
 from robodyn.checks.bodies.bodies import box_of, outside, real_shapes, size_of, solids
+from robodyn.checks.bodies.collision_fit import corners
 from robodyn.checks.bodies.masses import POINT, STILL, broken_law, principal_moments
 from robodyn.checks.examples import ARM_LIMIT, IMAGE, ORIGIN, ORIGIN_IMAGE, TENSOR, two_arms, two_elbows
 from robodyn.checks.meshes.files import mesh_names
-from robodyn.checks.mirror import MASS, MOMENTS, Pair, Symmetry, Twins, is_square, named_pairs, symmetry, twins
+from robodyn.checks.mirror import MASS, MOMENTS, Symmetry, Twins, both_ways, is_square, named_pairs, symmetry, twins
 from robodyn.checks.rule import MODEL, WARNING, Context, Fault, Faults, rule
 from robodyn.checks.rules.inertia_mistakes import causes
 from robodyn.programs.vectors import length, product, rotation_from_rpy, rpy_from_rotation
 from robodyn.robot.kinematics import Pose
-from robodyn.robot.urdf.parts import INERTIA, WITH_RANGE, Joint, Limit
+from robodyn.robot.urdf.parts import INERTIA, WITH_RANGE, Joint
 from robodyn.robot.urdf.view import JointView, LimitView, LinkView, value_span
-from robodyn.solids.inertia.validity import Box
 from robodyn.support.floats import Floats
 from robodyn.support.wording import figure, place, shown, shown_path
 
@@ -192,30 +190,32 @@ def mirror_joint(context: Context) -> Faults:
     knee then bends the wrong way. So is a joint that was fixed for a test, while its twin still moves. Twins are found
     as RD401 says. Ranges that RD503, RD504 or RD507 report are not compared."""
     found = context.once(symmetry)
-    for pair in () if found is None else (way for each in found.pairs.values() for way in (each, each.turned)):
+    for pair in both_ways(context):
         assert found is not None, "it has pairs"
-        left, right = pair.left_joint, pair.right_joint
-        view, twin = context.view.joint[right.name], f"{shown(left.name)} (line {left.line})"
-        at = view.element.span if view.axis.element is None else view.axis.span
+        left, right = (context.view.joint[joint.name] for joint in (pair.left_joint, pair.right_joint))
+        twin = f"{shown(left.name)} (line {left.element.line})"
         if left.type != right.type:
             if left.type != "fixed":
                 what = f"it is {right.type}, but its mirror twin {twin} is {left.type}"
-                yield Fault(value_span(view.element, "type"), what, _CORRECT_JOINT)
+                yield Fault(value_span(right.element, "type"), what, _CORRECT_JOINT)
         elif left.type in ("revolute", "continuous", "prismatic"):
             ways = set(found.directions(pair))
             if not ways and is_square(pair.D):
                 what = f"the axis is not parallel to the mirror image of that of its twin {twin}"
+                at = right.element.span if right.axis.element is None else right.axis.span
                 yield Fault(at, what, _CORRECT_JOINT)
-            elif ways and view.limit is not None:
-                yield from _range(pair, view.limit, sorted(ways), twin)
-            yield from _magnitudes(pair, view, twin)
+            if left.limit is not None and right.limit is not None:
+                if ways and left.type in WITH_RANGE:
+                    yield from _range(left, right.limit, sorted(ways), twin)
+                yield from _magnitudes(left.limit, right.limit, twin)
 
 
-def _range(pair: Pair, limit: LimitView, ways: Sequence[int], twin: str) -> Faults:
-    kind, left, right = pair.left_joint.type, pair.left_joint.limit, pair.right_joint.limit
-    if kind not in WITH_RANGE or not (_is_plain(left, kind) and _is_plain(right, kind)):
+def _range(left: JointView, limit: LimitView, ways: Sequence[int], twin: str) -> Faults:
+    ranges = [each.range for each in (left.limit, limit) if each is not None and each.range is not None]
+    slides = left.type == "prismatic"
+    if not all(low < high and (slides or max(-low, high) <= _TURNS) for low, high in ranges):
         return
-    (low, high), here = _ends(left), _ends(right)
+    (low, high), here = ranges
     images = [(low, high) if way > 0 else (0.0 - high, 0.0 - low) for way in ways]
     slack = _LIMIT * max(1.0, abs(high - low))
     offs = [[abs(value - wanted) for value, wanted in zip(here, image, strict=True)] for image in images]
@@ -233,28 +233,14 @@ def _range(pair: Pair, limit: LimitView, ways: Sequence[int], twin: str) -> Faul
     yield Fault(at.span, what, _CORRECT_JOINT, here[k], image[k], cause=cause)
 
 
-def _ends(limit: Limit | None) -> tuple[float, float]:
-    return (0.0, 0.0) if limit is None else (limit.lower or 0.0, limit.upper or 0.0)
-
-
-def _is_plain(limit: Limit | None, kind: str) -> bool:
-    """Whether there is a range that no other rule reports."""
-    low, high = _ends(limit)
-    return low < high and (kind == "prismatic" or max(-low, high) <= _TURNS)
-
-
-def _magnitudes(pair: Pair, view: JointView, twin: str) -> Faults:
-    left, right = pair.left_joint.limit, pair.right_joint.limit
-    if left is None or right is None or view.limit is None:
-        return
-    both = ("effort", left.effort, right.effort), ("velocity", left.velocity, right.velocity)
-    known = ((name, one, other) for name, one, other in both if one is not None and other is not None)
-    found = [each for each in known if abs(each[1] - each[2]) > _MAGNITUDE * max(map(abs, each[1:]))]
+def _magnitudes(left: LimitView, right: LimitView, twin: str) -> Faults:
+    both = (left.effort, right.effort), (left.velocity, right.velocity)
+    known = ((its, own, its.value, own.value) for its, own in both if its.value is not None and own.value is not None)
+    found = [each for each in known if abs(each[2] - each[3]) > _MAGNITUDE * max(map(abs, each[2:]))]
     if found:
-        name, one, other = found[0]
-        here, there = (" and ".join(f"{each[0]} {each[k]:g}" for each in found) for k in (2, 1))
+        here, there = (" and ".join(f"{each[0].attribute} {each[k]:g}" for each in found) for k in (3, 2))
         what = f"the limit of {here} is not that of its mirror twin {twin}, {there}"
-        yield Fault(getattr(view.limit, name).span, what, _CORRECT_JOINT, other, one)
+        yield Fault(found[0][1].span, what, _CORRECT_JOINT, found[0][3], found[0][2])
 
 
 _CORRECT_SIDE = _ONE_OF_TWO.format("sides")
@@ -283,9 +269,8 @@ def mirror_origin(context: Context) -> Faults:
         pair = pair if pair is None or pair.right.name == over[1] else pair.turned
         if right in found.turned:
             yield _turned(context.view.joint[joints[1].name], *joints, found.turned[right])
-        if {left, right} & found.pairs.keys() or not all(
-            joint.type != "fixed" or joint.child in heavy for joint in joints
-        ):
+        light = any(joint.type == "fixed" and joint.child not in heavy for joint in joints)
+        if light or {left, right} & found.pairs.keys():
             continue
         if over[0] == over[1] and length(found.plane.image(found.p[over[0]]) - found.p[over[0]]) <= found.near:
             pair = None
@@ -366,12 +351,12 @@ def mirror_shapes(context: Context) -> Faults:
     those of its twin, it is the wrong one. A mesh for both whose file is called left or right, beside a counterpart, is
     wrong."""
     yield from _mesh_of_the_other(context)
-    known, found = context.once(solids), context.once(symmetry)
-    for pair in () if found is None else (way for each in found.pairs.values() for way in (each, each.turned)):
+    known = context.once(solids)
+    for pair in both_ways(context):
         link, twin = context.view.link[pair.right.name], context.view.link[pair.left.name]
         other = f"{shown(twin.name)} (line {twin.element.line})"
         for kind in ("visual", "collision"):
-            shapes, its = ([shape for shape in real_shapes(each) if shape.kind == kind] for each in (link, twin))
+            shapes, its = (real_shapes(each, kind) for each in (link, twin))
             box, image = box_of(shapes, known, STILL), box_of(its, known, STILL)
             if its and not shapes:
                 what = f"it has no <{kind}>, and its mirror twin {other} has one"
@@ -381,48 +366,33 @@ def mirror_shapes(context: Context) -> Faults:
             if (own := pair.left.inertial) and outside(image, np.array(own.origin.xyz)) > _LEAST_OFF:
                 continue
             ways = [Pose(pair.D, pair.t)] + ([pair.part] if pair.part is not None else [])
-            off = min(_corners(box, image.placed(*way)) for way in ways)
+            off = min(corners(box, image.placed(*way)) for way in ways)
             if off > max(_OFF * size_of(box), _LEAST_OFF) and _more_apart(context, link, twin):
                 what = f"its <{kind}> shapes are up to {off:.3g} m from the mirror image of those of {other}"
                 yield Fault(shapes[0].element.span, what, _ONE_OF_TWO.format("shapes"), off, _OFF * size_of(box))
-
-
-def _corners(box: Box, other: Box) -> float:
-    return max(length(box.lo - other.lo), length(box.hi - other.hi))
 
 
 def _more_apart(context: Context, link: LinkView, twin: LinkView) -> bool:
     """Whether what collides is farther from what is seen than in the twin, or that is not known."""
     apart, known = list[float](), context.once(solids)
     for each in (link, twin):
-        shapes = ([shape for shape in real_shapes(each) if shape.kind == kind] for kind in ("visual", "collision"))
-        boxes = [box for one in shapes if (box := box_of(one, known, STILL)) is not None]
-        apart += [_corners(*boxes)] if len(boxes) == 2 else []
+        seen, felt = (box_of(real_shapes(each, kind), known, STILL) for kind in ("visual", "collision"))
+        apart += [corners(seen, felt)] if seen is not None and felt is not None else []
     return len(apart) < 2 or apart[0] > apart[1] + _LEAST_OFF
-
-
-def _files_of_sides(folder: Path) -> list[tuple[str, str]]:
-    try:
-        return list(named_pairs(os.listdir(folder)))
-    except OSError:
-        return []
 
 
 def _mesh_of_the_other(context: Context) -> Faults:
     """Yield the meshes of two links whose file is that of one of them, with one for the other beside it."""
-    files, view, listed = context.once(mesh_names), context.view, cache(_files_of_sides)
+    files, view = context.once(mesh_names), context.view
+    listed = cache(lambda folder: list(named_pairs([file.name for file in folder.glob("*")])))
     for names in named_pairs(list(view.link)):
         meshes = [[shape for shape in view.link[name].geometries if shape.uri in files] for name in names]
-        for shape in meshes[0] + meshes[1]:
+        for k, shape in ((side, one) for side in (0, 1) for one in meshes[side]):
             path = files[shape.uri].path
-            if path is None or any(
-                shape.uri not in [each.uri for each in its if each.kind == shape.kind] for its in meshes
-            ):
-                continue
-            if all(path.stem.lower() in name.lower() for name in names):
-                continue  # a letter of the part, as in the left ring finger L_rf
+            alike = any((each.uri, each.kind) == (shape.uri, shape.kind) for each in meshes[1 - k])
+            if path is None or not alike or all(path.stem.lower() in name.lower() for name in names):
+                continue  # the last is a letter of the part, as in the left ring finger L_rf
             told = next((pair for pair in listed(path.parent) if path.name in pair), ("", ""))
-            k = 1 if shape in meshes[1] else 0
             if told[1 - k] == path.name and shape.shape is not None:
                 what = f"its {shape.kind} mesh is {shown_path(path.name)}, that of its twin {shown(names[1 - k])}"
                 remedy = f"write {shown_path(shape.uri.replace(path.name, told[k]))}"

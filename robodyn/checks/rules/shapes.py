@@ -10,7 +10,7 @@ from robodyn.checks.bodies.bodies import real_shapes, solids
 from robodyn.checks.bodies.collision_fit import misfits
 from robodyn.checks.bodies.contacts import detached, overlaps
 from robodyn.checks.examples import a_shaped_link, a_tower, arm
-from robodyn.checks.meshes.files import MeshSearch, MeshUse, State, mesh_uses
+from robodyn.checks.meshes.files import MeshSearch, MeshUse, mesh_uses
 from robodyn.checks.rule import ERROR, NOTE, TREE, WARNING, Context, Fault, Faults, namesakes, rule
 from robodyn.checks.rules.text import own_elements
 from robodyn.robot.urdf.document import Element, unexpanded
@@ -133,14 +133,14 @@ def self_overlap(context: Context) -> Faults:
     found = [] if context.once(detached) else overlaps(context)
     if not found:
         return
-    worst, *others = found
-    what = f"at rest it reaches {worst.depth:.3g} m into link '{worst.first.name}', which is no neighbour of it"
+    (depth, first, _, shape), *others = found
+    what = f"at rest it reaches {depth:.3g} m into link '{first.name}', which is no neighbour of it"
     if others:
-        more = [f"'{one.second.name}' and '{one.first.name}' {one.depth:.3g} m" for one in others[:_SHOWN]]
+        more = [f"'{two.name}' and '{one.name}' {deep:.3g} m" for deep, one, two, _ in others[:_SHOWN]]
         rest = f" and {len(others) - _SHOWN} more" if len(others) > _SHOWN else ""
         what += f"; so do {', '.join(more)}{rest}"
     remedy = "give it simpler collision shapes or several convex ones, or disable the pair in the SRDF"
-    yield Fault(worst.shape.element.span, what, remedy, worst.depth, 0.0)
+    yield Fault(shape.element.span, what, remedy, depth, 0.0)
 
 
 _THIN = 1e-5
@@ -276,7 +276,6 @@ def texture_missing(context: Context) -> Faults:
             continue
         seen.add(uri)
         state = meshes.find(uri, ()).state
-        if state in (State.MISSING, State.OTHER_CASE):
-            how = "not there" if state is State.MISSING else "there in another case"
-            what, remedy = f"the texture {shown_path(uri)} is {how}", "correct its name, or delete <texture>"
+        if state in ("not there", "there in another case"):
+            what, remedy = f"the texture {shown_path(uri)} is {state}", "correct its name, or delete <texture>"
             yield Fault(value_span(element, "filename"), what, remedy, subject=subject)

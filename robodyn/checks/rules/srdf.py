@@ -176,7 +176,7 @@ def _touch(context: Context, joint: JointView) -> bool:
     if parent is None or child is None or placed is None or joint.parent == joint.child:
         return False
     one, other = (
-        box_of([shape for shape in real_shapes(link) if shape.kind == "collision"], context.once(solids), at)
+        box_of(real_shapes(link, "collision"), context.once(solids), at)
         for link, at in ((parent, STILL), (child, placed))
     )
     return one is not None and other is not None and bool((one.lo <= other.hi).all() and (other.lo <= one.hi).all())

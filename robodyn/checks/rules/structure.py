@@ -171,7 +171,13 @@ def no_links(context: Context) -> Faults:
         yield Fault(context.view.root.span, what, "add a <link>", 0, 1, subject=None)
 
 
-_PLAIN = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+_REFUSED = {
+    r"(?s)(?=__).*__\Z|.*::": "SDF keeps :: and names between __ for itself",
+    r"(?s).*/": "USD and MuJoCo's includes take / for a path, tf for a namespace",
+    r"\d": "a name in USD, Modelica or Python does not begin with a digit",
+    r"(?s)(?!__).*[^A-Za-z0-9_]": "USD takes letters, digits and _ only, and renames it",
+}
+"""How names begin that another format refuses, and why."""
 
 
 @rule("RD110", NOTE, good=arm().replace("shoulder", "shoulder_pitch"), bad=('"shoulder_pitch"', '"shoulder/pitch"'))
@@ -183,24 +189,12 @@ def name_portability(context: Context) -> Faults:
     view = context.view
     parts: tuple[LinkView | JointView, ...] = (*view.links, *view.joints)
     for part in parts:
-        refusal = _refusal(part.name)
+        refusal = next((why for pattern, why in _REFUSED.items() if re.match(pattern, part.name)), None)
         if part.subject.kind == "joint" and part.name in view.link:
             refusal = refusal or "SDF requires different names for a link and a joint"
         if refusal:
             remedy = "use letters, digits and _ only, and each name once"
             yield Fault(part.name_span, refusal, remedy)
-
-
-def _refusal(name: str) -> str | None:
-    if not name or (_PLAIN.fullmatch(name) and not name.startswith("__")):
-        return None
-    if "::" in name or (name.startswith("__") and name.endswith("__")):
-        return "SDF keeps :: and names between __ for itself"
-    if "/" in name:
-        return "USD and MuJoCo's includes take / for a path, tf for a namespace"
-    if name[0].isdigit():
-        return "a name in USD, Modelica or Python does not begin with a digit"
-    return "USD takes letters, digits and _ only, and renames it" if not name.startswith("__") else None
 
 
 _NEVER = 20.0  # a gap that no robot has between its parts [m]

@@ -1,4 +1,4 @@
-"""`robodyn torques` on many trajectories: whole results, restarts, single failures, a summary."""
+"""`robodyn torques` on many trajectories: whole results, restarts, single failures, a summary, a Dask cluster."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import shutil
 import subprocess
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import pytest
 from helpers.batch_runs import NAMES, batch, document, in_turn, listing, write_motion, write_runs
@@ -15,8 +16,7 @@ from helpers.command_line import command, run
 
 import robodyn
 from robodyn.cli import torques_batch
-from robodyn.cli import torques_batch as work
-from robodyn.cli.torques_batch import VERSION, Setup, worked_here
+from robodyn.cli.torques_batch import VERSION, Setup, jobs_of, worked_here
 from robodyn.support.cache import code_digest
 from robodyn.support.libraries import version_of
 
@@ -110,7 +110,7 @@ def test_what_has_changed_is_computed_again() -> None:
 def test_what_other_code_has_computed_is_computed_again(monkeypatch: pytest.MonkeyPatch) -> None:
     """Also where its version is the same; on a worker it is told."""
     assert statuses() == ["computed"] * 3
-    monkeypatch.setattr(work, "VERSION", OTHER)
+    monkeypatch.setattr(torques_batch, "VERSION", OTHER)
     Path("results/one.csv").unlink()
     line = f"error: runs/one.csv: robodyn {OTHER} works on it, the batch is of robodyn {VERSION} (install"
     assert batch().err.startswith(line)
@@ -206,3 +206,43 @@ def test_results_of_one_name() -> None:
     write_motion(Path("runs/one.parquet"))
     outcome = run("torques", "arm.urdf", "runs/one.csv", "runs/one.parquet", "--out", "r/")
     assert outcome.err.startswith("error: runs/one.parquet: the results of 'runs/one.csv' would have the same name")
+
+
+@pytest.fixture
+def distributed() -> Any:
+    return pytest.importorskip("distributed")
+
+
+def test_a_cluster_gives_what_this_machine_gives(distributed: Any) -> None:
+    """To the bit, with failures, and nothing done twice; the workers are threads of this process."""
+    Path("runs/odd.csv").write_text("time\n")
+    here = batch(out="here/")
+    made = {"n_workers": 2, "threads_per_worker": 2, "processes": False, "dashboard_address": None}
+    with distributed.LocalCluster(**made, local_directory="scratch") as there:
+        call = ("torques", "arm.urdf", "runs/*.csv", "--out", "there/", "--dask", there.scheduler_address)
+        outcome, again = run(*call), run(*call)
+    assert (outcome.status, outcome.err) == (here.status, here.err)
+    assert outcome.out == here.out.replace("here/", "there/")
+    assert listing(Path("there")) == listing(Path("here"))
+    assert "\narm: 4 files, 3 finished before, 1 failed\n" in again.out
+
+
+def test_no_scheduler_there(monkeypatch: pytest.MonkeyPatch, distributed: Any) -> None:
+    monkeypatch.setattr(torques_batch, "PATIENCE", 0.1)
+    outcome = batch("--dask", "tcp://127.0.0.1:9")
+    assert (outcome.status, outcome.out) == (2, "")
+    assert outcome.err.startswith("error: tcp://127.0.0.1:9: no Dask scheduler answers: ")
+    assert outcome.err.endswith("(an address is like tcp://10.0.0.1:8786)\n")
+    assert not Path("results").exists()
+
+
+def test_problems_of_workers_in_words(distributed: Any) -> None:
+    (job,) = jobs_of(["runs/one.csv"], "r")
+    killed, gone = distributed.scheduler.KilledWorker("task", None, 3), distributed.client.FutureCancelledError
+    for problem, words in (
+        (killed, "every worker that it was given to died (is there enough memory?)"),
+        (ModuleNotFoundError("No robodyn"), "No robodyn on the worker (install robodyn there)"),
+        (gone("task", "lost"), "the scheduler went away (the same command again goes on with what is not finished)"),
+        (TimeoutError("late"), "TimeoutError: late"),
+    ):
+        assert torques_batch._why(job, problem) == f"runs/one.csv: {words}"

@@ -12,7 +12,7 @@ from threading import Thread
 import pytest
 from helpers.batch_runs import NAMES, write_motion, write_runs
 from helpers.command_line import command
-from helpers.terminals import on_terminal
+from helpers.processes import on_terminal
 
 from robodyn.cli.options import Call
 from robodyn.cli.torques_batch import _setup, jobs_of, worked_here

@@ -72,9 +72,9 @@ def moved(step, method="gauss4"):
     return robodyn.simulate(*crank_slider(), 0.48, step=step, method=method).q[-1, 0]
 
 
-@pytest.mark.parametrize("method", ["rk4", "gauss4", "midpoint", "symplectic-euler"])
-def test_orders_of_methods(method):
-    order, exact = {"rk4": 4, "gauss4": 4, "midpoint": 2, "symplectic-euler": 1}[method], moved(1e-3)
+@pytest.mark.parametrize(("method", "order"), [("rk4", 4), ("gauss4", 4), ("midpoint", 2), ("symplectic-euler", 1)])
+def test_orders_of_methods(method, order):
+    exact = moved(1e-3)
     ratio = (moved(8e-3, method) - exact) / (moved(4e-3, method) - exact)
     assert 0.7 * 2**order <= ratio <= 1.35 * 2**order
 
@@ -104,7 +104,7 @@ def test_a_free_closed_chain_keeps_its_momenta_and_energy():
 def test_a_linkage_that_moves_though_it_should_not():
     """Bennett's: five equations for three hinges, of which two count; opposite hinges turn by opposite angles."""
     model, scene = bennett()
-    result = robodyn.simulate(model, scene, 0.5, step=5e-4)
+    result = robodyn.simulate(model, scene, 0.25, step=5e-4)
     assert (len(result.loops.dropped), result.loops.rank, result.loops.freedoms) == (3, 2, 1)
     assert np.abs(result.q[:, 0] + result.q[:, 2]).max() <= 1e-9
     assert result.energy_drift <= 1e-6

@@ -167,20 +167,3 @@ def test_root_and_quotient_are_rounded_once(dtype):
     found = compiled(lambda x, y: [x.sqrt(), x / y], 2, dtype)({"x": x}, len(x))
     with np.errstate(all="ignore"):
         np.testing.assert_array_equal(found, np.column_stack((np.sqrt(x[:, 0]), x[:, 0] / x[:, 1])))
-
-
-@pytest.mark.slow
-@extended
-@pytest.mark.parametrize(("functions", "most"), [((sin, cos), LIMIT), ((exp,), 88.72), ((exp,), -103.9)])
-def test_millions_of_arguments(functions, most):
-    """In double precision; and in single precision one number in fifty from 1e-4, the sine being odd."""
-    least, end = np.array([np.copysign(1e-4, most), most], np.float32).view(np.uint32).tolist()
-    rng = np.random.default_rng(9)
-
-    def errors(start):
-        x = np.arange(start, min(start + 2**22, end), 53, dtype=np.uint32).view(np.float32)
-        double = angles(rng, 100_000) if sin in functions else np.sign(most) * rng.uniform(0.0, 709.0, 100_000)
-        return [*worst(functions, x, np.float32), *worst(functions, double)]
-
-    found = [errors(start) for start in range(least, end, 2**22)]
-    assert np.max(found) <= ULPS, np.max(found, axis=0)

@@ -6,9 +6,7 @@ from functools import lru_cache, partial
 
 import numpy as np
 import pytest
-from helpers.random_programs import OPERATIONS, programs, random_inputs, seeded
-from hypothesis import given
-from hypothesis import strategies as st
+from helpers.random_programs import OPERATIONS, random_inputs, seeded
 
 from robodyn.programs.run import numpy_blocks
 from robodyn.programs.run.compiled_blocks import CompiledBlocks
@@ -58,15 +56,6 @@ def test_programs_of_seeds(executor, operations):
     errors = [off(executor, *case, samples=1 + 67 * k).ravel() for k, case in enumerate(cases)]
     assert np.mean(np.concatenate(errors) <= 50) > 0.95
     assert np.max(np.concatenate(errors)) <= 5000
-
-
-@pytest.mark.parametrize("executor", ["numpy", *(pytest.param(x, marks=pytest.mark.slow) for x in [*EXECUTORS][1:])])
-@given(data=st.data())
-def test_programs_that_shrink(executor, data):
-    program, widths = data.draw(programs())
-    sources = random_inputs(data.draw(st.integers(0, 1000)), widths, ROWS)
-    exact = values(program, sources, format_of(executor))
-    assert off(executor, program, widths, sources, exact).max() <= 5000
 
 
 @pytest.mark.parametrize("op", sorted(set(OPERATIONS)))

@@ -145,22 +145,11 @@ def parts(*densities):
     return [mass_properties(mesh_samples.box(size), density=rho) for size, rho in zip(SIZES, densities, strict=True)]
 
 
-def placed_boxes(*densities):
-    return [box(*size, density=rho).placed(*pose) for size, rho, pose in zip(SIZES, densities, POSES, strict=True)]
-
-
-def test_boxes_of_two_densities_at_their_places():
-    found = combined(parts(1000, 500), POSES)
-    one, other = placed_boxes(1000, 500)
-    close(found.body, one + other)
-    for body, expected in zip(found.placed, (one, other), strict=True):
-        close(body, expected)
-    assert found.warnings == ()
-
-
 def test_the_mass_of_the_whole_is_shared_as_the_densities_say():
     found = combined(parts(1000, 500), POSES, mass=2.0)
-    one, other = placed_boxes(1000, 500)
+    one, other = (
+        box(*size, density=rho).placed(*pose) for size, rho, pose in zip(SIZES, (1000, 500), POSES, strict=True)
+    )
     close(found.body, (one + other).scaled_to_mass(2.0))
     assert [part.body.mass for part in found.parts] == pytest.approx([2 / 3, 4 / 3], rel=8 * EPS)
 

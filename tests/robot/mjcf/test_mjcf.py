@@ -135,18 +135,12 @@ class Pair:
 
 
 FEATURES = {
-    "hinge": mjcf(f"<body pos='.1 .2 .3' euler='10 20 30'><joint axis='1 2 3' damping='.3'/>{ARM}</body>"),
     "ref, pos, armature": mjcf(
         f"""<body name='a' pos='.1 0 .2' euler='20 0 0'><joint name='j' axis='1 2 -1' pos='.1 -.2 .05' ref='35'
         armature='.02' damping='.1' frictionloss='.3' stiffness='4' springref='25'/>{ARM}
         <body pos='.3 0 0'><joint type='slide' axis='0 1 1' ref='.2' pos='9 9 9' armature='.5' stiffness='7'
         springref='-.1' frictionloss='2'/>{ARM}<body pos='0 .1 0'><joint axis='0 0 1' pos='-.1 0 0'/>{ARM}</body>
         <body pos='0 .2 .1' euler='0 90 0'>{ARM}</body></body></body>"""
-    ),
-    "several joints": mjcf(
-        f"""<body pos='0 0 1' euler='0 30 0'><joint name='x' type='slide' axis='1 0 0' ref='.3'/><joint name='y'
-        axis='0 1 0' pos='.1 0 0' ref='-40'/><joint name='s' type='slide' axis='0 1 1'/><joint name='z' axis='1 1 1'
-        pos='0 .2 -.1' ref='20'/>{ARM}<body pos='.2 .1 0'><joint name='k' axis='1 0 0'/>{ARM}</body></body>"""
     ),
     "free": mjcf(
         f"<body name='b' pos='0 0 1' euler='0 30 0'><freejoint/>{ARM}<body><joint axis='0 1 0' pos='.1 0 0'/>"

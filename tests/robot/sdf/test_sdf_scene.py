@@ -14,7 +14,8 @@ from robodyn.programs.vectors import rotation_from_rpy
 from robodyn.robot.kinematics import link_poses
 from robodyn.robot.load import load_description
 from robodyn.robot.masses.declared import declared
-from robodyn.robot.urdf.parts import INERTIA, Limit, Mimic
+from robodyn.robot.urdf.parts import Limit, Mimic
+from robodyn.robot.write.urdf import write_urdf
 
 TENSOR = "<inertia><ixx>0.3</ixx><iyy>0.4</iyy><izz>0.5</izz></inertia>"
 
@@ -50,25 +51,6 @@ FOUR_BAR = (
 CLOSE = "<pose relative_to='a'>2.3 0.6 0 0 0 0.3</pose><axis><xyz>0 0 1</xyz></axis>"
 
 
-def urdf_of(description, constraint: str) -> bytes:
-    """The same tree as a URDF, with another element."""
-    text = ""
-    for link in description.links:
-        given = link.inertial
-        if given is None:
-            text += f"<link name='{link.name}'/>"
-            continue
-        entries = " ".join(f"{key}='{value!r}'" for key, value in zip(INERTIA, given.inertia, strict=True))
-        place = f"<origin xyz='{numbers(given.origin.xyz)}' rpy='{numbers(given.origin.rpy)}'/>"
-        inside = f"{place}<mass value='{given.mass!r}'/><inertia {entries}/>"
-        text += f"<link name='{link.name}'><inertial>{inside}</inertial></link>"
-    for each in description.joints:
-        place = f"<origin xyz='{numbers(each.origin.xyz)}' rpy='{numbers(each.origin.rpy)}'/>"
-        ends = f"<parent link='{each.parent}'/><child link='{each.child}'/><axis xyz='{numbers(each.axis)}'/>"
-        text += f"<joint name='{each.name}' type='{each.type}'>{place}{ends}</joint>"
-    return f"<robot name='m'>{text}{constraint}</robot>".encode()
-
-
 def numbers(values) -> str:
     return " ".join(map(repr, values))
 
@@ -93,7 +75,8 @@ def test_a_joint_that_closes_a_loop_is_the_constraint_of_a_urdf(kind):
         for role, at in (("child", "point"), ("parent", "to_point"))
     )
     text = f"<constraint name='cd' type='{kind}'><parent link='c'/><child link='d'/>{text}</constraint>"
-    other = robodyn.load(urdf_of(found, text))
+    tree = write_urdf(replace(found, format="mjcf", scene={}), "m.urdf").data.decode()
+    other = robodyn.load(tree.replace("</robot>", f"{text}</robot>").encode())
     ours, theirs = robodyn.scene_of(model).loops[0], robodyn.scene_of(other).loops[0]
     assert ours == replace(theirs, axis=ours.axis, to_axis=ours.to_axis)
     np.testing.assert_allclose([ours.axis, ours.to_axis], [theirs.axis, theirs.to_axis], atol=1e-14)

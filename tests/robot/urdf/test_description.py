@@ -81,20 +81,9 @@ def test_everything_is_read_in_the_order_of_the_file() -> None:
         Link("arm", inertial, (mesh, cylinder), 13),
         Link("finger", Inertial(0.0, Origin(), (0.0,) * 6), (), 28),
     )
+    origin, limit = Origin((1.0, 2.0, -0.3), (0.5, 1.0, 0.0)), Limit(-1.0, 2.0, 30.0, 4.0)
     assert robot.joints == (
-        Joint(
-            name="swing",
-            type="revolute",
-            parent="base",
-            child="arm",
-            origin=Origin((1.0, 2.0, -0.3), (0.5, 1.0, 0.0)),
-            axis=(0.0, 0.6, -0.8),
-            limit=Limit(-1.0, 2.0, 30.0, 4.0),
-            damping=0.1,
-            friction=0.2,
-            mimic=None,
-            line=3,
-        ),
+        Joint("swing", "revolute", "base", "arm", origin, (0.0, 0.6, -0.8), limit, damping=0.1, friction=0.2, line=3),
         Joint("grip", "prismatic", "arm", "finger", mimic=Mimic("swing", -2.0, 0.5), line=29),
     )
     assert robot.transmissions == (Transmission("drive", "swing", -62.5, 2e-4, 33),)
