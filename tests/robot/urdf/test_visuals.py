@@ -10,7 +10,7 @@ import pytest
 import trimesh
 from helpers.command_line import ROBOTS
 
-from robodyn.report.pictures.robot import shapes_of
+from robodyn.report.stage import shapes_of
 from robodyn.robot.load import load_description
 
 SHAPES = {
