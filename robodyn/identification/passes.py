@@ -42,10 +42,10 @@ from robodyn.identification.parameters.regressor_columns import (
     RegressorColumns,
     gather,
 )
-from robodyn.loads.history import Courses
 from robodyn.programs.vectors import product
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
+from robodyn.support.courses import Courses
 from robodyn.support.floats import Floats, einsum
 
 FOLDS = 5  # parts of what is fitted, for cross-validation; what is held out is another one

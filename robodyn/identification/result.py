@@ -17,7 +17,6 @@ from robodyn.errors import InputError
 from robodyn.identification.model_selection import Structure
 from robodyn.identification.parameters.base import Base
 from robodyn.identification.parameters.consistent import parameters_of, pseudo_inertia
-from robodyn.loads.history import Courses
 from robodyn.programs.vectors import product
 from robodyn.robot.masses.declared import declared
 from robodyn.robot.model import Model
@@ -30,6 +29,7 @@ from robodyn.scene.scene import DEFAULT, CoupledMotor, Friction, Rotor, Scene
 from robodyn.scene.uncertainty import Covariance
 from robodyn.solids.inertia.laws import Inertia, symmetric
 from robodyn.solids.inertia.properties import MassProperties, from_inertia, from_moments, inertial_element
+from robodyn.support.courses import Courses
 from robodyn.support.floats import Floats
 from robodyn.support.wording import count, figure, listed, shown, shown_path, toml_key, toml_string
 

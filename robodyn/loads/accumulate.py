@@ -15,7 +15,7 @@ from robodyn.dynamics.effects.effect import ZeroColumns
 from robodyn.dynamics.momenta import COLUMNS, LawResiduals, View, energy, laws, losses, momentum_runner
 from robodyn.dynamics.plan import Plan, plan, runner_of, torque_runner
 from robodyn.loads.error_bars import ErrorBars
-from robodyn.loads.result import Checks, EnergyBalance, MomentumReport
+from robodyn.loads.result import Checks, EnergyBalance, History, MomentumReport
 from robodyn.loads.statistics import Extremes, Statistics, check_loads, joint_of_rates, position_of_rates
 from robodyn.programs.run.runner import Choice, Run, Runner
 from robodyn.robot.limits import binding
@@ -28,9 +28,9 @@ from robodyn.trajectory.read import sources_of
 
 if TYPE_CHECKING:
     from robodyn.loads.constraints import ConstraintPass
-    from robodyn.loads.history import Courses, History
     from robodyn.loads.sizing import SizingPass
     from robodyn.loads.uncertainty import UncertaintyPass
+    from robodyn.support.courses import Courses
 
 NAMES = (*COLUMNS, "power")
 """Columns of momentum and energy, and the power tau . qd of the actuators and of what moves the base."""
@@ -169,7 +169,7 @@ class TorqueAccumulator:
         self.checks = SelfChecks(model, scene, borne=constraints is not None)
         self.courses: tuple[Courses, Courses] | None = None
         if options.history:
-            from robodyn.loads.history import Courses
+            from robodyn.support.courses import Courses
 
             feet = [f"on_{each.name}" for each in constraints.scene.contacts] if constraints else []
             states = [f"q_{name}" for name in model.coordinates]
@@ -260,8 +260,6 @@ class TorqueAccumulator:
     def history(self) -> History | None:
         if self.courses is None:
             return None
-        from robodyn.loads.history import History
-
         at_peak = self.statistics.at_peak
         return History(*self.courses, tuple(at_peak[k] for k in range(len(at_peak))))
 

@@ -10,7 +10,7 @@ from robodyn.dynamics.effects.effect import Verdict
 from robodyn.errors import TOO_FEW, Caveat
 from robodyn.robot.limits import Coverage, Excess, reached_beyond, within
 from robodyn.scene.scene import Curve, Vector
-from robodyn.support.floats import BEYOND
+from robodyn.support.floats import BEYOND, Floats
 from robodyn.support.shown import Cell, Shown
 from robodyn.support.wording import count, figure, shown
 from robodyn.trajectory.motion import Derivation
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from polars import DataFrame
 
     from robodyn.loads.constraint_result import Constraints
-    from robodyn.loads.history import History
     from robodyn.loads.uncertainty_result import Uncertain
+    from robodyn.support.courses import Courses
 
 _SHOWN = 6
 """Joints that a result names in its repr."""
@@ -375,6 +375,17 @@ class Sizing:
     @property
     def exceeded(self) -> bool:
         return any(joint.exceeded for joint in self.joints)
+
+
+@dataclass(frozen=True, eq=False)
+class History:
+    """The course of a motion. motion: time, q, qd, qdd, loads, columns of the tree's scene, and whether each contact is
+    on; curves are tau, speeds, powers and the base wrench. energy: "work done" and "energy stored" since the start [J].
+    states: for each joint q, qd, qdd and columns at its peak torque."""
+
+    motion: Courses
+    energy: Courses
+    states: tuple[Mapping[str, Floats], ...]
 
 
 @dataclass(frozen=True, repr=False)

@@ -13,7 +13,7 @@ from robodyn.report.table import NEGLIGIBLE
 from robodyn.support.floats import Floats
 
 if TYPE_CHECKING:
-    from robodyn.loads.history import Courses
+    from robodyn.support.courses import Courses
 
 Band = tuple[Floats, Floats]
 """Least and greatest values in buckets of rows."""

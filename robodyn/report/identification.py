@@ -273,8 +273,8 @@ def excitation_page(found: Excitation, pictures: bool = True) -> doc.Document:
 
 def _along_motion(found: Excitation) -> Iterator[doc.Block]:
     """Yield the robot along the motion, and how much of limits of position, speed, acceleration and effort is used."""
-    from robodyn.loads.history import Courses
     from robodyn.report.charts import COLOURS, Course, time_chart
+    from robodyn.support.courses import Courses
 
     used: dict[str, dict[str, Floats]] = {kind: {} for kind in ("position", "speed", "acceleration", "effort")}
     for joint, q, qd, qdd, tau in zip(found.joints, *(each.T for each in (*found.motion, found.torques)), strict=True):

@@ -27,7 +27,6 @@ _PRINTED = 60
 """States of which a page has A and B as tables, at most."""
 _TURN, _SHIFT = 0.35, 0.15
 """rad, and parts of the robot's size: how far the joints go at most in the picture of a mode."""
-_FAR = 1e300
 
 
 def linearized_sections(found: Linearized, tabled: int = 16) -> Iterator[doc.Section]:
@@ -121,19 +120,19 @@ def _pole_map(found: Linearized) -> doc.Chart:
         for imag in (mode.imag, -mode.imag)[: 1 + mode.oscillates]:
             groups.setdefault(group, []).append((0.0 if mode.undecided else mode.real, imag, _named(found, k)))
     parts = [(mode.real, mode.imag) for mode in found.modes.modes]
-    alt = f"Eigenvalues of A in the complex plane: {', '.join(f'{len(each)} {how}' for how, each in groups.items())}; "
+    alt = f"Eigenvalues in the complex plane: {', '.join(f'{len(each)} {how}' for how, each in groups.items())}; "
     alt += f"real parts {number(min(parts)[0])} to {number(max(parts)[0])} 1/s, "
     alt += f"imaginary parts up to {number(max(imag for _, imag in parts))} rad/s"
     columns = {how: [*zip(*each, strict=True)] for how, each in groups.items()}
     return plane_chart(
-        "Poles: eigenvalues of A; where the plane is shaded, modes grow",
+        f"Poles: eigenvalues of A{' in continuous time' if found.step else ''}; where the plane is shaded, modes grow",
         alt,
         "real part [1/s]",
         "imaginary part [rad/s]",
         dots={how: (np.array(x), np.array(y)) for how, (x, y, _) in columns.items()},
         names={how: names for how, (*_, names) in columns.items()},
         colours={"decays": "good", "grows": "bad", "neither": "doubtful"},
-        spans=[(0.0, _FAR, "grows")],
+        spans=[(0.0, 1e300, "grows")],
     )
 
 

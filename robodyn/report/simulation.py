@@ -149,7 +149,7 @@ def simulation_page(result: Simulation, pictures: bool = True) -> doc.Document:
 
 def _moving(result: Simulation) -> Iterator[doc.Block]:
     """Yield the robot along its motion, how much of limits it uses, and curves of all that was recorded."""
-    from robodyn.loads.history import Courses
+    from robodyn.support.courses import Courses
 
     plots = [*_plots(result)]
     curves = {f"{plot.what} {label}": each for plot in plots for label, each in plot.curves.items()}

@@ -28,7 +28,7 @@ from robodyn.support.floats import Floats, ranked
 from robodyn.support.wording import count
 
 if TYPE_CHECKING:
-    from robodyn.loads.history import History
+    from robodyn.loads.result import History
 
 PLOTTED = 12
 """Joints that have plots: those beyond limits, and the most loaded of the others up to so many."""

@@ -5,7 +5,7 @@ be; see `mutated`.
 """
 
 PIECES = {
-    ("loads/test_history.py", "loads/history.py"): [
+    ("support/test_courses.py", "support/courses.py"): [
         ("np.minimum.reduceat(self.low, pairs)", "self.low[::2]"),
         ("self.rows + row", "row"),
         ("np.minimum(self.low[-1], low[0])", "low[0]"),

@@ -23,9 +23,9 @@ from robodyn.identification.faults.faults import OWN, VISCOUS, Evidence, Explain
 from robodyn.identification.log.curves import add, curves_of
 from robodyn.identification.log.log import REMEDY, Log, Samples, read_log
 from robodyn.identification.log.rows import filtered
-from robodyn.loads.history import Courses
 from robodyn.robot.model import Model
 from robodyn.scene.scene import DEFAULT, Scene
+from robodyn.support.courses import Courses
 from robodyn.support.floats import Floats, einsum, unit_columns
 from robodyn.trajectory.plausible import refuse_units
 

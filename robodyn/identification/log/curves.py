@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from robodyn.loads.history import Courses
+from robodyn.support.courses import Courses
 from robodyn.support.floats import Floats
 
 KINDS = ("speed", "measured", "computed", "explained", "friction")

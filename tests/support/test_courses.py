@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from robodyn.loads.history import MOST, Courses
+from robodyn.support.courses import MOST, Courses
 
 RNG = np.random.default_rng(1)
 
@@ -41,7 +41,7 @@ def test_frames_have_the_rows_of_the_peaks():
     np.testing.assert_array_equal(frames[:, 0], numbers)
     assert (np.diff(numbers) > 0).all()
     assert {12_347, 40_001} <= set(numbers.tolist())
-    np.testing.assert_array_equal(frames[:, 1:], values.T[numbers])
+    np.testing.assert_array_equal(frames[:, 1:], values.T[numbers.astype(int)])
 
 
 def test_all_rows_of_short_motions_are_kept():

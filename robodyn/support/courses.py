@@ -3,8 +3,7 @@ value of each curve; all rows of motions that are short enough."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -74,14 +73,3 @@ class Courses:
         """Return (B,) each, the least and greatest values of a curve in every bucket."""
         k = self.curves.index(name)
         return self.low[:, k], self.high[:, k]
-
-
-@dataclass(frozen=True, eq=False)
-class History:
-    """The course of a motion. motion: time, q, qd, qdd, loads, columns of the tree's scene, and whether each contact is
-    on; curves are tau, speeds, powers and the base wrench. energy: "work done" and "energy stored" since the start [J].
-    states: for each joint q, qd, qdd and columns at its peak torque."""
-
-    motion: Courses
-    energy: Courses
-    states: tuple[Mapping[str, Floats], ...]
