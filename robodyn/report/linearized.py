@@ -91,8 +91,8 @@ def linearized_page(found: Linearized, pictures: bool = True) -> doc.Document:
         size = found.model.reach or 1.0
         shown = stage.robot(found.model, [_swing(found, k, size) for k in range(min(len(modes), _PICTURED))])
         words = (
-            f"The robot in its modes, enlarged to {_TURN} rad or {number(_SHIFT * size)} m at most and slowed to 5 s; "
-            "time is that of the mode"
+            f"The robot in its modes, enlarged to {_TURN} rad or {number(_SHIFT * size)} m at most; "
+            "each plays in 5 s, and the clock is that of the mode"
         )
         some = [f"The slowest {_PICTURED} of {len(modes)} modes move."] if len(modes) > _PICTURED else []
         blocks += [doc.Heading("Modes"), stage.stage(words, [shown], [shapes], loop=True)]
@@ -121,7 +121,8 @@ def _pole_map(found: Linearized) -> doc.Chart:
             groups.setdefault(group, []).append((0.0 if mode.undecided else mode.real, imag, _named(found, k)))
     parts = [(mode.real, mode.imag) for mode in found.modes.modes]
     alt = f"Eigenvalues in the complex plane: {', '.join(f'{len(each)} {how}' for how, each in groups.items())}; "
-    alt += f"real parts {number(min(parts)[0])} to {number(max(parts)[0])} 1/s, "
+    most = max(abs(x) for part in parts for x in part)
+    alt += f"real parts {number(min(parts)[0], most)} to {number(max(parts)[0], most)} 1/s, "
     alt += f"imaginary parts up to {number(max(imag for _, imag in parts))} rad/s"
     columns = {how: [*zip(*each, strict=True)] for how, each in groups.items()}
     return plane_chart(
