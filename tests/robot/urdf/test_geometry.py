@@ -12,7 +12,7 @@ import pytest
 import trimesh
 from helpers.command_line import ROBOTS
 
-from robodyn.report.pictures.robot import shapes_of
+from robodyn.report.stage import shapes_of
 from robodyn.robot.load import load_description
 from robodyn.robot.urdf import sources
 from robodyn.robot.urdf.description import link_shapes, missing_mesh
