@@ -217,7 +217,7 @@ def compare(
     curves = curves_of(names, [f"q_{name}" for name in model.coordinates])
     explained = routed.measured[inside] - found.residual
     torques = routed.measured[inside], raw.computed[inside], explained, friction_told[inside]
-    add(curves, time[inside] - log.start, (raw.own[inside, :, 0], *torques), q[inside].T)
+    add(curves, time[inside] - log.start, (raw.own[inside, :, 0], *torques), [*q[inside].T])
     return Comparison(
         model=model,
         file=path,
