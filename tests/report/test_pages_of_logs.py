@@ -17,12 +17,12 @@ from robodyn.identification.faults.compare import compare
 from robodyn.identification.identify import identify
 from robodyn.identification.log.log import read_log
 from robodyn.identification.result import Identified, MotorFit
-from robodyn.loads import history
 from robodyn.report import document as doc
 from robodyn.report.identification import excitation_page, identified_page
 from robodyn.report.measured import measured_page
 from robodyn.report.renderers.pages import html
 from robodyn.scene.scene import Friction, Scene
+from robodyn.support import courses
 
 TIME = 0.005 * np.arange(2400)
 RUBS = Friction(0.5, 1.0, -0.8)
@@ -111,8 +111,8 @@ def test_a_page_of_an_identification_is_whole(found: Identified) -> None:
 
 def test_long_logs_keep_their_peaks(found: Identified, monkeypatch: pytest.MonkeyPatch) -> None:
     whole = found.curves()
-    monkeypatch.setattr(history, "MOST", 50)
-    monkeypatch.setattr(history, "LEAST", 10)
+    monkeypatch.setattr(courses, "MOST", 50)
+    monkeypatch.setattr(courses, "LEAST", 10)
     few = found.curves()
     assert few.per > 1
     for name in few.curves:
