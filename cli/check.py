@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import click
 
@@ -44,11 +44,13 @@ from robodyn.report.check import (
 from robodyn.report.document import text
 from robodyn.report.renderers.findings import check_github, check_junit, check_sarif
 from robodyn.report.table import PLAIN, Page
-from robodyn.robot.model import Model
 from robodyn.robot.urdf.document import read
 from robodyn.robot.urdf.sources import is_xacro
 from robodyn.support.files import write_whole
 from robodyn.support.wording import count
+
+if TYPE_CHECKING:
+    from robodyn.robot.model import Model
 
 
 def _codes(text: str) -> tuple[str, ...]:

@@ -66,7 +66,7 @@ def time_chart(
     series, held, wide = [], set(held), set(wide)
     for (label, values), colour in zip(curves.items(), colours, strict=False):
         low, high = values if isinstance(values, tuple) else (values, None)
-        if high is not None and np.array_equal(low, high):
+        if high is not None and np.array_equal(low, high, equal_nan=True):
             high = None
         each = {"label": label, "colour": colour, "y": low, "high": high, "held": label in held}
         series.append(each | {"wide": label in wide})

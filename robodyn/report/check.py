@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from robodyn.checks.check import Checked
     from robodyn.checks.fixes import Fixed
     from robodyn.checks.overview import Branch, Overview
-    from robodyn.checks.rule import Excerpt, Finding, Fix, Rule
+    from robodyn.checks.rule import Excerpt, Finding, Rule
     from robodyn.robot.model import Model
 
 
@@ -134,7 +134,7 @@ def short_sections(checked: Checked) -> Iterator[doc.Section]:
                     more = len(others) - _PLACES_SAID
                     rest = [count(more, "more place")] if more > 0 else []
                     lines.append(f"      also {', '.join([*map(place_words, others[:_PLACES_SAID]), *rest])}")
-                lines += [f"    {line}" for line in _of(one)]
+                lines += [f"      in: {line}" for line in _below(one).get("in", ())]
         yield doc.paragraphs(lines)
     yield doc.paragraphs(checked_lines(checked))
 
@@ -144,23 +144,22 @@ def check_sections(checked: Checked) -> Iterator[doc.Section]:
     for finding in checked.findings:
         place = f"{finding.file}:{finding.line}:{finding.column}"
         kind = f"{finding.severity.value} {finding.code} {finding.name}"
-        cause = [f"  cause: {finding.cause}"] if finding.cause is not None else []
-        fix = [f"  fix: {finding.fix.what} ({_safety(finding.fix)})"] if finding.fix is not None else []
-        lines = [f"{place}: {kind}: {finding.message}", *marked(finding.line, finding.excerpt), *_of(finding), *cause]
-        also = [f"{'        ' if k else '  also: '}{line}" for k, line in enumerate(further(finding))]
-        yield doc.paragraphs([*lines, *also, f"  do: {finding.remedy}", *fix])
+        lines = [f"{place}: {kind}: {finding.message}", *marked(finding.line, finding.excerpt)]
+        for label, said in _below(finding).items():
+            lines += [f"  {' ' * (len(label) + 2) if k else f'{label}: '}{line}" for k, line in enumerate(said)]
+        yield doc.paragraphs(lines)
     yield doc.paragraphs(checked_lines(checked))
 
 
-def _of(finding: Finding) -> list[str]:
-    """The robots that include the file of a finding, and the other files that have it, too."""
+def _below(finding: Finding) -> dict[str, list[str]]:
+    """Return what stands below a finding: the robots that include its file and the other files that have it, its cause,
+    further places, what to do."""
     files = dict.fromkeys([*finding.robots, *(other.file for other in finding.others)])
     files.pop(finding.file, None)
-    return [f"  in: {listed_paths(files)}"] if files else []
-
-
-def _safety(fix: Fix) -> str:
-    return "safe" if fix.safe else "unsafe"
+    fix = finding.fix and f"{finding.fix.what} ({'safe' if finding.fix.safe else 'unsafe'})"
+    found = {"in": [listed_paths(files)] if files else [], "cause": [finding.cause] if finding.cause else []}
+    found |= {"also": further(finding), "do": [finding.remedy], "fix": [fix] if fix else []}
+    return {label: lines for label, lines in found.items() if lines}
 
 
 def marked(line: int, excerpt: Excerpt) -> list[str]:
@@ -241,14 +240,7 @@ def _drawn(checked: Checked, file: str, model: Model) -> Iterator[doc.Block]:
 def _item(finding: Finding) -> tuple[doc.Level, str, tuple[tuple[str, bool], ...]]:
     title = f"Line {finding.line}: {finding.message}"
     lines = [("\n".join(marked(finding.line, finding.excerpt)), True)] if finding.excerpt.text else []
-    if finding.others:
-        lines.append((f"Also at {'; '.join(further(finding))}.", False))
-    lines += [(f"I{line.strip()[1:]}.", False) for line in _of(finding)]
-    if finding.cause is not None:
-        lines.append((f"Cause: {finding.cause}.", False))
-    lines.append((f"To do: {finding.remedy}.", False))
-    if finding.fix is not None:
-        lines.append((f"Fix ({_safety(finding.fix)}): {finding.fix.what}.", False))
+    lines += [(f"{label.capitalize()}: {'; '.join(said)}.", False) for label, said in _below(finding).items()]
     return LEVELS[finding.severity], title, tuple(lines)
 
 

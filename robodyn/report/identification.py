@@ -115,7 +115,7 @@ def _along_logs(found: Identified) -> Iterator[doc.Block]:
         notes.append("Logs stand one after another.")
     if len(worst) < len(new.joints):
         notes.append(f"{len(worst)} of {len(new.joints)} joints, those with the largest errors; the tables have all.")
-    yield from doc.titled("Along the logs", [*doc.paragraphs(notes), *doc.gallery(charts)])
+    yield from doc.titled("Along the logs", [*doc.paragraphs(filter(None, [" ".join(notes)])), *doc.gallery(charts)])
 
 
 def _law(motor: MotorFit, speed: Floats, friction: Floats) -> dict[str, tuple[Floats, Floats]]:

@@ -196,17 +196,18 @@ def log_charts(
     from robodyn.report.charts import plane_chart, time_chart
 
     name, what, colours = printable(joint), "force" if unit == "N" else "torque", ("c1", "soft", "c2")
+    steps = np.diff(course.time, prepend=course.time[0])
+    gap = steps > 3.0 * np.median(steps)
     speed, measured, explained, friction = (
         course.frames[f"{kind}_{joint}"] for kind in ("speed", "measured", "explained", "friction")
     )
     for title, kinds in ((what, ("measured", "computed", "explained")), ("residual", ("off", "left"))):
-        curves = {
-            label: course.curve(f"{kind}_{joint}", 0.0)
-            for label, kind in zip(("measured", *labels)[-len(kinds) :], kinds, strict=True)
-        }
+        bands = (course.motion.of(f"{kind}_{joint}") for kind in kinds)
+        drawn = ((np.where(gap, np.nan, low), np.where(gap, np.nan, high)) for low, high in bands)
+        curves = dict(zip(("measured", *labels)[-len(kinds) :], drawn, strict=True))
         caption, own = f"{name}: {title} [{unit}]", colours[-len(kinds) :]
-        alt, bands = f"{caption} over time: {said}", ("measured",)
-        yield time_chart(caption, alt, course.time, curves, unit, spans=spans, colours=own, wide=bands)
+        alt, wide = f"{caption} over time: {said}", ("measured",)
+        yield time_chart(caption, alt, course.time, curves, unit, spans=spans, colours=own, wide=wide)
     across = f"speed [{'m/s' if unit == 'N' else 'rad/s'}]"
     caption, least, most = f"{name}: friction over speed", float(friction.min()), float(friction.max())
     chart = plane_chart(

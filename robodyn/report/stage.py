@@ -113,20 +113,14 @@ def _body(body: Body) -> dict[str, Any]:
 
 
 def _spread(mass: float, centre: Any, about_centre: Any) -> dict[str, Any]:
-    found = {"mass": mass, "centre": [float(x) for x in centre]}
-    return found | {"ellipsoid": ellipsoid(mass, np.asarray(about_centre, dtype=float))}
-
-
-def ellipsoid(mass: float, inertia: Floats) -> list[list[float]] | None:
-    """Return axes (row by row, as a rotation) and half-axes of the even ellipsoid with a mass and an inertia about its
-    centre; None where there is none."""
-    if not mass > 0.0:
-        return None
-    moments, axes = np.linalg.eigh(inertia)
-    squares = 2.5 * (moments.sum() - 2.0 * moments) / mass
-    if not np.isfinite(squares).all() or squares.max() <= 0.0:
-        return None
-    return [axes.ravel().tolist(), np.sqrt(squares.clip(0.0)).tolist()]
+    """Return mass, centre and the even ellipsoid with that inertia, if any: axes (row by row, a rotation), half-axes."""
+    found: dict[str, Any] = {"mass": mass, "centre": [float(x) for x in centre], "ellipsoid": None}
+    if mass > 0.0:
+        moments, axes = np.linalg.eigh(np.asarray(about_centre, dtype=float))
+        squares = 2.5 * (moments.sum() - 2.0 * moments) / mass
+        if np.isfinite(squares).all() and squares.max() > 0.0:
+            found["ellipsoid"] = [axes.ravel().tolist(), np.sqrt(squares.clip(0.0)).tolist()]
+    return found
 
 
 def solid(name: str, mass: float, centre: Any, about_centre: Any, place: Any = None, **look: Any) -> dict[str, Any]:
