@@ -1,6 +1,11 @@
 // The robot in WebGL 2: bodies placed by their joints, arrows of what acts on them, one body picked and told in numbers.
-function makeViewer(figure, stage, arrays, colours, onTime) {
+function makeViewer(figure, stage, arrays, rgb, onTime) {
   const $ = (name) => figure.querySelector(`[data-part="${name}"]`);
+  const element = (tag, properties, ...inside) => {
+    const made = Object.assign(document.createElement(tag), properties);
+    made.append(...inside);
+    return made;
+  };
   const canvas = $("canvas"), gl = canvas.getContext("webgl2", { alpha: false, antialias: true, preserveDrawingBuffer: true });
   if (!gl) {
     $("message").textContent = "This browser has no WebGL 2, which draws the robot. The tables have all numbers.";
@@ -72,36 +77,29 @@ function makeViewer(figure, stage, arrays, colours, onTime) {
   function poses(robot, q) {
     const found = [];
     for (const body of robot.bodies) {
-      let R = body.R, p = body.p;
-      let local = place(R, p);
-      if (body.kind === "floating") {
-        const k = body.q;
-        local = product(local, place(ofQuaternion(q.slice(k + 3, k + 7)), q.slice(k, k + 3)));
-      } else if (body.kind === "revolute") {
-        local = product(local, place(about(body.axis, body.ratio * q[body.q] + body.offset), [0, 0, 0]));
-      } else if (body.kind === "prismatic") {
-        const unit = [1, 0, 0, 0, 1, 0, 0, 0, 1];
-        local = product(local, place(unit, times(body.axis, body.ratio * q[body.q] + body.offset)));
-      }
+      const k = body.q, at = body.ratio * q[k] + body.offset;
+      let local = place(body.R, body.p);
+      if (body.kind === "floating") local = product(local, place(ofQuaternion(q.slice(k + 3, k + 7)), q.slice(k, k + 3)));
+      else if (body.kind === "revolute") local = product(local, place(about(body.axis, at), [0, 0, 0]));
+      else if (body.kind === "prismatic") local = product(local, place([1, 0, 0, 0, 1, 0, 0, 0, 1], times(body.axis, at)));
       found.push(body.parent < 0 ? local : product(found[body.parent], local));
     }
     return found;
   }
 
   // One program for solids, lines and picking: flat shading by the derivatives of the place.
-  const source = { vertex: `#version 300 es
+  const program = gl.createProgram();
+  for (const [kind, text] of [[gl.VERTEX_SHADER, `#version 300 es
     in vec3 at; uniform mat4 model, view, lens; out vec3 seen;
-    void main() { vec4 p = view * model * vec4(at, 1.0); seen = p.xyz; gl_Position = lens * p; }`, fragment: `#version 300 es
+    void main() { vec4 p = view * model * vec4(at, 1.0); seen = p.xyz; gl_Position = lens * p; }`], [gl.FRAGMENT_SHADER, `#version 300 es
     precision highp float; in vec3 seen; uniform vec4 colour; uniform float shaded; out vec4 shown;
     void main() {
       vec3 n = normalize(cross(dFdx(seen), dFdy(seen)));
       float light = mix(1.0, 0.45 + 0.55 * abs(dot(n, normalize(vec3(0.3, 0.5, 1.0)))), shaded);
       shown = vec4(colour.rgb * light, colour.a);
-    }` };
-  const program = gl.createProgram();
-  for (const [kind, text] of [[gl.VERTEX_SHADER, source.vertex], [gl.FRAGMENT_SHADER, source.fragment]]) {
+    }`]]) {
     const shader = gl.createShader(kind);
-    gl.shaderSource(shader, text.trim());
+    gl.shaderSource(shader, text);
     gl.compileShader(shader);
     if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(shader));
     gl.attachShader(program, shader);
@@ -139,20 +137,14 @@ function makeViewer(figure, stage, arrays, colours, onTime) {
   }
   const cylinder = [[0, 0], [1, 0], [1, 1], [0, 1]], shaft = lathe(cylinder), disc = lathe(cylinder, 64), head = lathe([[0, 0], [1, 0], [0, 1]]);
   const ball = lathe(Array.from({ length: 13 }, (_, k) => [Math.sin(Math.PI * k / 12), -Math.cos(Math.PI * k / 12)]), 24);
-  const grid = (() => {
-    const corners = [], indices = [];
-    for (let k = -10; k <= 10; k++) {
-      corners.push(k, -10, 0, k, 10, 0, -10, k, 0, 10, k, 0);
-    }
-    for (let k = 0; k < corners.length / 3; k++) indices.push(k);
-    return solid(corners, indices);
-  })();
+  const lines = Array.from({ length: 21 }, (_, k) => k - 10).flatMap((k) => [k, -10, 0, k, 10, 0, -10, k, 0, 10, k, 0]);
+  const grid = solid(lines, lines.slice(0, 84).map((_, k) => k));
   const meshes = stage.meshes.map(({ low, step, corners, indices }) => {
     const raw = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer;
     const grid = new Uint16Array(raw(corners)), at = new Float32Array(grid.length);
     grid.forEach((value, k) => { at[k] = low[k % 3] + step * value; });
     const faces = at.length / 3 > 65536 ? new Uint32Array(raw(indices)) : new Uint16Array(raw(indices));
-    return { ...solid(at, faces), low: low, corners: at };
+    return { ...solid(at, faces), corners: at };
   });
 
   // How far the base has gone since the start; the view goes with it where that is far.
@@ -194,24 +186,17 @@ function makeViewer(figure, stage, arrays, colours, onTime) {
   let eye = { ...home, target: [...home.target] };
 
   // How long arrows are: the longest force, and moment, of the whole motion is a quarter of the robot.
-  const valueOf = (entry, at) => typeof entry === "object" ? entry[0] : sample(arrays[entry], at);
-  function longest(kind) {
-    let most = 0;
-    for (const robot of robots) {
-      for (const arrow of motionOf(robot).arrows) {
-        if (arrow.moment !== (kind === "N m")) continue;
-        const rows = Math.max(...arrow.values.map((v) => typeof v === "object" ? 1 : arrays[v].length));
-        for (let k = 0; k < rows; k++) most = Math.max(most, size(arrow.values.map((v) => valueOf(v, [k, k, 0]))));
-      }
-    }
-    return most;
-  }
+  const valueOf = (entry, at) => typeof entry === "object" ? entry[0] : sample(arrays[entry], at), unitOf = ({ moment }) => moment ? "N m" : "N";
   const scales = {};
   function rescale() {
-    for (const unit of ["N", "N m"]) scales[unit] = 0.25 * reach.size / (longest(unit) || 1);
-    const shown = (unit) => Number((0.1 / scales[unit]).toPrecision(3));
-    const words = [...new Set(robots.flatMap((robot) => motionOf(robot).arrows.map((arrow) => arrow.moment ? "N m" : "N")))];
-    $("scale").textContent = words.sort().map((unit) => `0.1 m of arrow: ${shown(unit)} ${unit}`).join("; ") + (words.length ? "." : "");
+    const most = {};
+    for (const arrow of robots.flatMap((robot) => motionOf(robot).arrows)) {
+      const unit = unitOf(arrow), rows = Math.max(...arrow.values.map((v) => typeof v === "object" ? 1 : arrays[v].length));
+      for (let k = 0; k < rows; k++) most[unit] = Math.max(most[unit] ?? 0, size(arrow.values.map((v) => valueOf(v, [k, k, 0]))));
+    }
+    for (const unit of ["N", "N m"]) scales[unit] = 0.25 * reach.size / (most[unit] || 1);
+    const words = Object.keys(most).sort().map((unit) => `0.1 m of arrow: ${Number((0.1 / scales[unit]).toPrecision(3))} ${unit}`);
+    $("scale").textContent = words.join("; ") + (words.length ? "." : "");
   }
 
   function arrowsOf(robot, all) {
@@ -219,26 +204,21 @@ function makeViewer(figure, stage, arrays, colours, onTime) {
     if (motion.time === null && motion.arrows.some((arrow) => arrow.values.some((v) => typeof v !== "object"))) return [];
     const at = motion.time === null ? [0, 0, 0] : between(arrays[motion.time], state.time);
     return motion.arrows.map((arrow) => {
-      const own = arrow.values.map((v) => valueOf(v, at));
-      const axes = arrow.axes === null ? null : all[arrow.axes];
-      const vector = axes ? turned(axes, own) : own;
-      const length = size(vector) * scales[arrow.moment ? "N m" : "N"];
-      return { ...arrow, vector, from: moved(all[arrow.body], arrow.point), length, value: size(own) };
+      const own = arrow.values.map((v) => valueOf(v, at)), value = size(own);
+      const vector = arrow.axes === null ? own : turned(all[arrow.axes], own);
+      return { ...arrow, vector, value, from: moved(all[arrow.body], arrow.point), length: value * scales[unitOf(arrow)] };
     });
   }
 
   let now = null;
-  function placed() {
-    now = robots.map((robot) => {
-      const all = poses(robot, configuration(robot));
-      return { robot, all, arrows: arrowsOf(robot, all) };
-    });
-    return now;
-  }
+  const placed = () => now = robots.map((robot) => {
+    const all = poses(robot, configuration(robot));
+    return { robot, all, arrows: arrowsOf(robot, all) };
+  });
 
   function lens(width, height) {
     const near = eye.distance / 100, far = eye.distance * 20, f = 1 / Math.tan(0.35);
-    return [f * Math.min(1, height / width), 0, 0, 0, 0, f * Math.min(1, width / height) * 1, 0, 0,
+    return [f * Math.min(1, height / width), 0, 0, 0, 0, f * Math.min(1, width / height), 0, 0,
       0, 0, (far + near) / (near - far), -1, 0, 0, 2 * far * near / (near - far), 0];
   }
   function basis() {
@@ -257,7 +237,6 @@ function makeViewer(figure, stage, arrays, colours, onTime) {
     const x = cross(other, z), one = times(x, 1 / size(x)), two = cross(z, one);
     return [...times(one, radius), 0, ...times(two, radius), 0, ...times(z, length), 0, ...from, 1];
   };
-  const rgb = (name) => colours(name);
   const useColour = (share) => share > 1 ? rgb("bad") : share > 0.8 ? rgb("doubtful") : share >= 0 ? mix(rgb("body"), rgb("good"), share / 0.8) : rgb("body");
   const mix = (a, b, s) => a.map((x, k) => x + s * (b[k] - x));
 
@@ -291,22 +270,22 @@ function makeViewer(figure, stage, arrays, colours, onTime) {
       if (!body.meshes.length) draw(along(from, [0, 0, 1], 2 * thin, 2 * thin), ball, colour, alpha, shaded);
     }));
   }
-  function frame(width, height) {
+  function frame(back) {
+    const { width, height } = canvas;
+    placed();
     gl.viewport(0, 0, width, height);
     gl.useProgram(program);
     gl.enable(gl.DEPTH_TEST);
     gl.uniformMatrix4fv(uniform.view, false, view());
     gl.uniformMatrix4fv(uniform.lens, false, lens(width, height));
+    gl.clearColor(...back, 1);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
   }
   function render() {
     dirty = false;
-    const ratio = window.devicePixelRatio || 1;
-    const width = Math.max(1, Math.round(canvas.clientWidth * ratio)), height = Math.max(1, Math.round(canvas.clientHeight * ratio));
-    if (canvas.width !== width || canvas.height !== height) { canvas.width = width; canvas.height = height; }
-    placed();
-    frame(width, height);
-    gl.clearColor(...rgb("raised"), 1);
-    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    const [width, height] = [canvas.clientWidth, canvas.clientHeight].map((each) => Math.max(1, Math.round(each * devicePixelRatio)));
+    if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
+    frame(rgb("raised"));
     const step = 10 ** Math.floor(Math.log10(reach.size)) / 2;
     const [x, y] = state.layers.follow ? gone(now[0].all).map((each) => step * Math.round(each / step)) : [0, 0];
     const ground = [step, 0, 0, 0, 0, step, 0, 0, 0, 0, 1, 0, x, y, stage.floor ?? reach.floor, 1];
@@ -328,11 +307,9 @@ function makeViewer(figure, stage, arrays, colours, onTime) {
       for (const arrow of arrows) {
         if (!state.layers[arrow.kind] || arrow.length < 1e-4 * reach.size) continue;
         const colour = rgb(stage.kinds[arrow.kind].colour), tip = Math.min(4 * thin, 0.5 * arrow.length), unit = times(arrow.vector, 1 / size(arrow.vector));
+        const tips = arrow.moment ? [tip, Math.min(1.8 * tip, arrow.length)] : [tip]; // of moments two, by the right-hand rule
         draw(along(arrow.from, unit, thin * 0.6, arrow.length - tip), shaft, colour);
-        draw(along(add(arrow.from, times(unit, arrow.length - tip)), unit, 0.5 * tip, tip), head, colour);
-        if (arrow.moment) { // two heads: by the right-hand rule
-          draw(along(add(arrow.from, times(unit, Math.max(0, arrow.length - 1.8 * tip))), unit, 0.5 * tip, tip), head, colour);
-        }
+        for (const before of tips) draw(along(add(arrow.from, times(unit, arrow.length - before)), unit, 0.5 * tip, tip), head, colour);
       }
     }
     const marks = stage.marks.filter(({ what }) => state.layers[what]), drawMarks = (wanted) => marks.filter(wanted).forEach(
@@ -377,10 +354,7 @@ function makeViewer(figure, stage, arrays, colours, onTime) {
     gl.bindFramebuffer(gl.FRAMEBUFFER, target);
     gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, colour, 0);
     gl.framebufferRenderbuffer(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, depth);
-    placed();
-    frame(canvas.width, canvas.height);
-    gl.clearColor(0, 0, 0, 1);
-    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    frame([0, 0, 0]);
     drawBodies((robot, r, body, k) => [[(r + 1) / 255, (k >> 8) / 255, (k & 255) / 255], 1, 0]);
     const ratio = canvas.width / canvas.clientWidth, found = new Uint8Array(4);
     gl.readPixels(Math.round(x * ratio), canvas.height - 1 - Math.round(y * ratio), 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, found);
@@ -390,62 +364,46 @@ function makeViewer(figure, stage, arrays, colours, onTime) {
   }
 
   // The free body of the picked link, in its axes about its origin: what acts on it adds up to the rate of its momentum.
-  function freeBody(r, k) {
-    const { robot, all, arrows } = now[r], rows = [], sum = [0, 0, 0, 0, 0, 0];
-    const own = (what, force, moment, sign = 1) => {
-      const f = times(turnedBack(all[k], force), sign), m = times(turnedBack(all[k], moment), sign);
-      rows.push([what, ...f, ...m]);
-      [...f, ...m].forEach((x, i) => { sum[i] += x; });
-    };
+  function freeBody({ robot, all, arrows }, k) {
     const at = all[k].slice(12, 15), parts = {};
-    for (const arrow of arrows) {
-      const of = arrow.body === k ? 1 : robot.bodies[arrow.body].parent === k && arrow.kind === "reaction" ? -1 : 0;
-      if (!of || arrow.kind === "torque") continue;
-      const key = `${arrow.body} ${arrow.what}`, lever = add(arrow.from, times(at, -1));
-      const what = of < 0 ? `${arrow.what}, opposite` : arrow.what;
-      const part = parts[key] ??= { what, force: [0, 0, 0], moment: [0, 0, 0], of };
-      if (arrow.moment) part.moment = add(part.moment, arrow.vector);
-      else { part.force = add(part.force, arrow.vector); part.moment = add(part.moment, cross(lever, arrow.vector)); }
+    for (const { body, kind, what, from, moment, vector } of arrows) {
+      const sign = body === k ? 1 : robot.bodies[body].parent === k && kind === "reaction" ? -1 : 0;
+      if (!sign || kind === "torque") continue;
+      const part = parts[`${body} ${what}`] ??= [sign < 0 ? `${what}, opposite` : what, 0, 0, 0, 0, 0, 0], own = times(turnedBack(all[k], vector), sign);
+      const turn = moment ? own : times(turnedBack(all[k], cross(add(from, times(at, -1)), vector)), sign);
+      for (let i = 0; i < 3; i++) {
+        if (!moment) part[1 + i] += own[i];
+        part[4 + i] += turn[i];
+      }
     }
-    for (const { what, force, moment, of } of Object.values(parts)) own(what, force, moment, of);
-    return { rows, sum };
+    return Object.values(parts);
   }
   function tell() {
     const panel = $("panel");
     panel.replaceChildren();
     panel.hidden = !state.picked;
     if (!state.picked) return;
-    const [r, k] = state.picked, { robot } = now[r], body = robot.bodies[k];
-    const element = (tag, text) => { const made = document.createElement(tag); made.textContent = text; return made; };
+    const [r, k] = state.picked, { robot } = now[r], body = robot.bodies[k], share = useOf(robot, k), rows = freeBody(now[r], k);
     const number = (x, most = 1) => Math.abs(x) < 1e-7 * most ? "0" : Number(x.toPrecision(5)).toString();
-    panel.append(element("h3", robots.length > 1 && robot.name !== body.name ? `${robot.name}: ${body.name}` : body.name));
-    panel.append(element("p", `${number(body.mass)} kg, mass centre (${body.centre.map((x) => number(x)).join(", ")}) m${body.words ? `; ${body.words}` : ""}`));
-    const share = useOf(robot, k);
-    if (share >= 0) panel.append(element("p", `joint ${body.joint}: ${number(100 * share)} % of its limit now`));
-    const { rows, sum } = freeBody(r, k);
+    panel.append(element("h3", {}, nameOf(robot, body)));
+    panel.append(element("p", {}, `${number(body.mass)} kg, mass centre (${body.centre.map((x) => number(x)).join(", ")}) m${body.words ? `; ${body.words}` : ""}`));
+    if (share >= 0) panel.append(element("p", {}, `joint ${body.joint}: ${number(100 * share)} % of its limit now`));
     if (!rows.length) return;
-    const table = document.createElement("table"), top = table.createTHead().insertRow();
-    for (const title of ["in its axes", "fx [N]", "fy", "fz", "mx [N m]", "my", "mz"]) {
-      const cell = element("th", title);
-      cell.scope = "col";
-      top.append(cell);
-    }
-    const content = table.createTBody();
-    for (const [what, ...values] of [...rows, ["sum", ...sum]]) {
-      const row = content.insertRow(), name = element("th", what);
-      name.scope = "row";
-      row.append(name);
-      values.forEach((value, k) => {
-        const alike = rows.flatMap((each) => each.slice(k < 3 ? 1 : 4, k < 3 ? 4 : 7).map(Math.abs));
-        row.append(element("td", number(value, Math.max(...alike))));
-      });
-    }
-    panel.append(table);
+    const line = (tag, scope, [what, ...cells]) => element("tr", {}, element("th", { scope }, what), ...cells.map((cell) => element(tag, scope === "col" ? { scope } : {}, cell)));
+    const sum = ["sum", 1, 2, 3, 4, 5, 6].map((i) => i === "sum" ? i : rows.reduce((all, row) => all + row[i], 0));
+    const most = [1, 4].map((i) => Math.max(...rows.flatMap((row) => row.slice(i, i + 3).map(Math.abs))));
+    const numbers = ([what, ...values]) => [what, ...values.map((value, i) => number(value, most[i < 3 ? 0 : 1]))];
+    panel.append(element("table", {},
+      element("thead", {}, line("th", "col", ["in its axes", "fx [N]", "fy", "fz", "mx [N m]", "my", "mz"])),
+      element("tbody", {}, ...[...rows, sum].map((row) => line("td", "row", numbers(row))))));
   }
+  const nameOf = (robot, body) => robots.length > 1 && robot.name !== body.name ? `${robot.name}: ${body.name}` : body.name;
   function choose(what) {
     state.picked = what;
-    const list = $("links");
-    list.value = what ? what.join() : "";
+    $("links").value = what ? what.join() : "";
+    changed();
+  }
+  function changed() {
     placed();
     tell();
     redraw();
@@ -465,8 +423,7 @@ function makeViewer(figure, stage, arrays, colours, onTime) {
     $("clock").textContent = clockWords();
     $("time").setAttribute("aria-valuetext", clockWords());
     if (!told) onTime(state.time);
-    if (state.picked) { placed(); tell(); }
-    redraw();
+    if (state.picked) changed(); else redraw();
   }
 
   // Controls: every one is an element that the keyboard reaches.
@@ -474,44 +431,41 @@ function makeViewer(figure, stage, arrays, colours, onTime) {
   $("player").hidden = !moves;
   Object.assign($("time"), { min: first, max: last, step: "any", value: first });
   $("time").addEventListener("input", (event) => setTime(Number(event.target.value)));
-  $("play").addEventListener("click", () => {
-    state.playing = !state.playing;
-    $("play").textContent = state.playing ? "Pause" : "Play";
-    if (state.playing && state.time >= span()[1]) setTime(span()[0]);
+  $("play").addEventListener("click", () => play(!state.playing));
+  function play(on) {
+    const [first, last] = span(), pace = stage.loop ? (last - first) / 5 : 1; // a pass in 5 s, however fast it really is
+    state.playing = on;
+    $("play").textContent = on ? "Pause" : "Play";
+    if (on && state.time >= last) setTime(first);
     let before = null;
     const step = (stamp) => {
       if (!state.playing) return;
-      const pace = stage.loop ? (span()[1] - span()[0]) / 5 : 1; // a pass in 5 s, however fast it really is
       if (before !== null) setTime(state.time + pace * state.speed * (stamp - before) / 1000);
       before = stamp;
-      if (state.time >= span()[1]) {
-        if (stage.loop) setTime(span()[0]);
-        else { state.playing = false; $("play").textContent = "Play"; return; }
-      }
+      if (state.time >= last && !stage.loop) return play(false);
+      if (state.time >= last) setTime(first);
       requestAnimationFrame(step);
     };
-    if (state.playing) requestAnimationFrame(step);
-  });
+    if (on) requestAnimationFrame(step);
+  }
   $("speed").addEventListener("change", (event) => { state.speed = Number(event.target.value); });
   $("home").addEventListener("click", () => { eye = { ...home, target: [...home.target] }; redraw(); });
   const present = new Set(robots.flatMap((robot) => robot.motions.flatMap((motion) => motion.arrows.map((arrow) => arrow.kind))));
-  const layers = [...Object.entries(stage.kinds).filter(([kind]) => present.has(kind)).map(([kind, { what, on }]) => [kind, what, on])];
-  if (robots.some((robot) => robot.bodies.some((body) => body.mass))) layers.push(["centres", "mass centres", Boolean(stage.ellipsoids || stage.marks.length)]);
-  if (robots.some((robot) => robot.bodies.some((body) => body.ellipsoid))) layers.push(["inertia", "ellipsoids of inertia", Boolean(stage.ellipsoids)]);
+  const some = (key) => robots.some((robot) => robot.bodies.some((body) => body[key]));
+  const layers = Object.entries(stage.kinds).filter(([kind]) => present.has(kind)).map(([kind, { what, on, colour }]) => [kind, what, on, colour]);
+  if (some("mass")) layers.push(["centres", "mass centres", stage.ellipsoids || stage.marks.length > 0]);
+  if (some("ellipsoid")) layers.push(["inertia", "ellipsoids of inertia", stage.ellipsoids]);
   if (floats >= 0 && motionOf(robots[0]).time !== null) layers.push(["follow", "follow the base", follows]);
-  layers.push(["through", "see through", Boolean(stage.through)], ...stage.marks.map(({ what, on }) => [what, what, on]));
-  for (const [kind, what, on] of layers) {
-    const label = document.createElement("label"), box = document.createElement("input");
-    Object.assign(box, { type: "checkbox", checked: on, value: kind });
+  layers.push(["through", "see through", stage.through], ...stage.marks.map(({ what, on, colour }) => [what, what, on, colour]));
+  for (const [kind, what, on, colour] of layers) {
+    const box = element("input", { type: "checkbox", checked: Boolean(on), value: kind }), dot = element("i", {});
     state.layers[kind] = on;
     box.addEventListener("change", () => { state.layers[kind] = box.checked; redraw(); });
-    const dot = document.createElement("i"), colour = (stage.kinds[kind] ?? stage.marks.find((mark) => mark.what === kind))?.colour;
     dot.style.background = `var(--${colour})`;
-    label.append(box, ...(colour ? [dot] : []), ` ${what}`);
-    $("layers").append(label);
+    $("layers").append(element("label", {}, box, ...(colour ? [dot] : []), ` ${what}`));
   }
   robots.forEach((robot, r) => robot.bodies.forEach((body, k) => {
-    $("links").append(new Option(robots.length > 1 && robot.name !== body.name ? `${robot.name}: ${body.name}` : body.name, `${r},${k}`));
+    $("links").append(new Option(nameOf(robot, body), `${r},${k}`));
   }));
   $("links").addEventListener("change", (event) => choose(event.target.value ? event.target.value.split(",").map(Number) : null));
   const names = robots[0].motions.map((motion) => motion.name);
@@ -529,19 +483,16 @@ function makeViewer(figure, stage, arrays, colours, onTime) {
     state.sliders = {};
     $("sliders").replaceChildren(...(motionOf(robots[0]).sliders ?? []).map(sliderOf));
   }
-  function sliderOf(slider) {
-    const label = document.createElement("label"), input = document.createElement("input"), output = document.createElement("output");
-    const show = (value) => { output.textContent = `${Number(value.toPrecision(4))} ${slider.unit}`; };
-    Object.assign(input, { type: "range", min: slider.lower, max: slider.upper, step: "any", value: slider.value });
+  function sliderOf({ name, q, unit, lower, upper, value }) {
+    const input = element("input", { type: "range", min: lower, max: upper, step: "any", value }), output = element("output", {});
+    const show = (x) => { output.textContent = `${Number(x.toPrecision(4))} ${unit}`; };
     input.addEventListener("input", () => {
-      state.sliders[slider.q] = Number(input.value);
-      show(Number(input.value));
-      if (state.picked) { placed(); tell(); }
-      redraw();
+      state.sliders[q] = Number(input.value);
+      show(state.sliders[q]);
+      changed();
     });
-    show(slider.value);
-    label.append(slider.name, input, output);
-    return label;
+    show(value);
+    return element("label", {}, name, input, output);
   }
   showSliders();
 
@@ -553,24 +504,20 @@ function makeViewer(figure, stage, arrays, colours, onTime) {
     far = 0;
   });
   canvas.addEventListener("pointermove", (event) => {
-    const before = fingers.get(event.pointerId);
+    const before = fingers.get(event.pointerId), to = [event.offsetX, event.offsetY];
     if (!before) return;
-    const step = [event.offsetX - before[0], event.offsetY - before[1]], others = [...fingers.values()].filter((each) => each !== before);
+    const step = [to[0] - before[0], to[1] - before[1]], other = [...fingers.values()].find((each) => each !== before);
+    const gap = (point) => Math.hypot(point[0] - other[0], point[1] - other[1]) || 1;
     far += Math.hypot(...step);
-    if (others.length) {
-      const gap = (point) => Math.hypot(point[0] - others[0][0], point[1] - others[0][1]) || 1;
-      eye.distance *= gap(before) / gap([event.offsetX, event.offsetY]);
-    } else if (event.shiftKey || event.buttons === 2) pan(step[0], step[1]);
-    else orbit(step[0], step[1]);
-    fingers.set(event.pointerId, [event.offsetX, event.offsetY]);
+    if (other) eye.distance *= gap(before) / gap(to);
+    else (event.shiftKey || event.buttons === 2 ? pan : orbit)(...step);
+    fingers.set(event.pointerId, to);
     redraw();
   });
-  const lift = (event) => {
-    if (event.type === "pointerup" && fingers.size === 1 && far < 4) pick(event.offsetX, event.offsetY);
+  for (const kind of ["pointerup", "pointercancel"]) canvas.addEventListener(kind, (event) => {
+    if (kind === "pointerup" && fingers.size === 1 && far < 4) pick(event.offsetX, event.offsetY);
     fingers.delete(event.pointerId);
-  };
-  canvas.addEventListener("pointerup", lift);
-  canvas.addEventListener("pointercancel", lift);
+  });
   canvas.addEventListener("contextmenu", (event) => event.preventDefault());
   canvas.addEventListener("wheel", (event) => {
     event.preventDefault();
@@ -586,10 +533,10 @@ function makeViewer(figure, stage, arrays, colours, onTime) {
     eye.target = add(eye.target, add(times(right, -x * unit), times(up, y * unit)));
   }
   canvas.addEventListener("keydown", (event) => {
-    const keys = { ArrowLeft: [-12, 0], ArrowRight: [12, 0], ArrowUp: [0, -12], ArrowDown: [0, 12] };
-    if (keys[event.key]) (event.shiftKey ? pan : orbit)(...keys[event.key]);
-    else if (event.key === "+" || event.key === "=") eye.distance /= 1.15;
-    else if (event.key === "-") eye.distance *= 1.15;
+    const ways = { ArrowLeft: [-12, 0], ArrowRight: [12, 0], ArrowUp: [0, -12], ArrowDown: [0, 12] };
+    const zooms = { "+": 1 / 1.15, "=": 1 / 1.15, "-": 1.15 };
+    if (ways[event.key]) (event.shiftKey ? pan : orbit)(...ways[event.key]);
+    else if (zooms[event.key]) eye.distance *= zooms[event.key];
     else return;
     event.preventDefault();
     redraw();
@@ -604,9 +551,7 @@ function makeViewer(figure, stage, arrays, colours, onTime) {
     pick: (r, k) => choose([r, k]),
     // What tests read back: where every link is, and how long arrows are.
     poses: () => placed().map(({ robot, all }) => Object.fromEntries(robot.bodies.map((body, k) => [body.name, all[k]]))),
-    arrows: () => placed().flatMap(({ robot, arrows }) => arrows.map((arrow) => ({
-      kind: arrow.kind, body: robot.bodies[arrow.body].name, moment: arrow.moment, value: arrow.value, length: arrow.length,
-    }))),
+    arrows: () => placed().flatMap(({ robot, arrows }) => arrows.map((arrow) => ({ ...arrow, body: robot.bodies[arrow.body].name }))),
     scales: () => ({ ...scales }),
   };
 }
