@@ -143,14 +143,19 @@ class Identified:
     curves: Callable[[], Courses] = field(repr=False)
 
     @property
+    def judged(self) -> tuple[Errors, Errors]:
+        """Of what was found, and of the description: held out, or of all where nothing is."""
+        return self.held_out or self.train, self.original_held_out or self.original_train
+
+    @property
     def explains(self) -> bool:
-        """Whether less than half of held-out torques (of all, where none are held out) is left."""
-        return (self.held_out or self.train).relative_error < 0.5
+        """Whether less than half of the torques that are judged is left."""
+        return self.judged[0].relative_error < 0.5
 
     @property
     def better(self) -> bool:
-        """Whether held-out torques (or all) are explained better than by the description and by zero."""
-        new, old = self.held_out or self.train, self.original_held_out or self.original_train
+        """Whether torques that are judged are explained better than by the description and by zero."""
+        new, old = self.judged
         return new.relative_error < min(old.relative_error, 1.0)
 
 

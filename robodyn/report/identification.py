@@ -17,13 +17,14 @@ from robodyn.identification.parameters.base import Base
 from robodyn.identification.result import BaseFit, Errors, Identified, MotorFit
 from robodyn.report import document as doc
 from robodyn.report.limits import use
-from robodyn.report.measured import CLIPPED, error_bars, log_charts, played
+from robodyn.report.measured import error_bars, log_charts, played
 from robodyn.report.table import number, printable
 from robodyn.support.floats import HALF_UP, Floats, ranked
 from robodyn.support.wording import count, figure, listed
 
 _PICTURED = 12
 """Joints that have plots."""
+_LABELS = "description", "identified"
 _GROUPS = "Base parameters of bodies", "Friction and rotors", "Not determined: 0 is within the interval of 95 %"
 
 
@@ -68,14 +69,12 @@ def _base_rows(fit: BaseFit) -> Iterator[list[str]]:
 def identified_page(found: Identified, pictures: bool = True) -> doc.Document:
     """Return the verdict, errors of joints, the robot along the logs, plots, parameters beside the description's, and
     the same, with JSON as data."""
-    new, old = found.held_out or found.train, found.original_held_out or found.original_train
+    new, old = found.judged
     level: doc.Level = "bad" if found.faults or not found.better else "good" if found.explains else "doubtful"
     reasons = (*found.faults, *_identified_head(found)[1:])
-    pairs = [(100.0 * old.joints[name], 100.0 * new.joints[name]) for name in new.joints]
-    parts = [((before, "description", "soft"), (after, "identified", "c2")) for before, after in pairs]
-    rows = [(name, error_bars(each), "") for name, each in zip(new.joints, parts, strict=True)]
     which = f"||computed - measured|| of ||measured||, {'held out' if found.held_out else 'fitted'}"
-    first: list[doc.Block] = [doc.Verdict(level, verdict(found), reasons), doc.Bars(which, rows, CLIPPED)]
+    errors = {name: (error, new.joints[name]) for name, error in old.joints.items()}
+    first: list[doc.Block] = [doc.Verdict(level, verdict(found), reasons), error_bars(which, _LABELS, errors)]
     if pictures:
         first += [*_along_logs(found), *doc.titled("Parameters", _parameters(found))]
     _, *sections = identified_sections(found)
@@ -89,7 +88,7 @@ def _along_logs(found: Identified) -> Iterator[doc.Block]:
     from robodyn.report.charts import Course
 
     model, course = found.model, Course(found.curves())
-    columns, new = course.frames, found.held_out or found.train
+    columns, (new, old) = course.frames, found.judged
     theta, words = dict(zip(found.names, found.theta.tolist(), strict=True)), {}
     for body in model.bodies:
         mass, *moments = (theta[f"{body.name}.{kind}"] for kind in INERTIAL[:4])
@@ -103,13 +102,10 @@ def _along_logs(found: Identified) -> Iterator[doc.Block]:
     slides = {joint.rate: joint.kind == "prismatic" for joint in model.independent}
     worst = sorted(ranked([*new.joints], key=new.joints.__getitem__)[:_PICTURED], key=[*new.joints].index)
     for name in worst:
-        said = f"fitted within {_percent(found.train.joints[name])}" + (
-            f", held out {_percent(found.held_out.joints[name])}" if found.held_out else ""
-        )
-        said += f"; by the description {_percent((found.original_held_out or found.original_train).joints[name])}"
+        said = f"within {_percent(new.joints[name])} as identified, {_percent(old.joints[name])} by the description"
         law = _law(found.motors[name], *(columns[f"{kind}_{name}"] for kind in ("speed", "friction")))
         unit = "N" if slides[model.rates.index(name)] else "N m"
-        charts += log_charts(course, name, unit, ("description", "identified"), said, {}, law, spans)
+        charts += log_charts(course, name, unit, _LABELS, said, lines=law, spans=spans)
     notes = ["Shaded: held out."] if found.held_out else []
     if len(found.hashes) > 1:
         notes.append("Logs stand one after another.")
@@ -161,7 +157,7 @@ def _hidden(base: Base) -> list[str]:
 
 def verdict(found: Identified) -> str:
     """Return the errors of the description and of what was found, held out if something is."""
-    new, old = found.held_out or found.train, found.original_held_out or found.original_train
+    new, old = found.judged
     which = "held-out torques" if found.held_out else "torques (none are held out)"
     within, by = _percent(new.relative_error), _percent(old.relative_error)
     return f"{found.model.name}: {which} within {within}; by the description {by}"
@@ -187,7 +183,6 @@ def _percent(part: float) -> str:
 
 def identified_json(found: Identified) -> str:
     """Return errors, base parameters with standard errors, motors, and every parameter before and after."""
-    held = found.original_held_out or found.original_train
     fit = found.base
     columns = (fit.values.tolist(), fit.standard_errors.tolist(), fit.consistent.tolist())
     base = [
@@ -201,7 +196,7 @@ def identified_json(found: Identified) -> str:
             "condition:base.base.condition friction coupled discrepancy delays "
             "strength cutoff slip_speed unseen parameters rows samples "
             "duration logs warnings",
-            original={**_errors_json(held), **_both_json(found.original_train, found.original_held_out)},
+            original={**_errors_json(found.judged[1]), **_both_json(found.original_train, found.original_held_out)},
             bound=_both_json(found.bound_train, found.bound_held_out),
             base_parameters=base,
             friction=[{"name": name, **doc.encode(fit)} for name, fit in found.motors.items()],
@@ -314,14 +309,12 @@ def _error_bars(found: Excitation) -> doc.Bars:
         colour = "good" if part < 10.0 else "doubtful" if part < 100.0 else "bad"
         bars = [(said, part, colour) if part < inf else (said, 0.0, "raised")]
         bars += [(f"plain waves {figure(beside, 2)} %", beside, "soft")] if beside < inf else []
-        rows.append((group, [(label, 0.0, _logarithmic(size), colour) for label, size, colour in bars], ""))
+        places = [25.0 * (float(np.log10(max(size, 1e-2)).clip(-2.0, 2.0)) + 2.0) for _, size, _ in bars]
+        rows.append(
+            (group, [(label, 0.0, to, colour) for (label, _, colour), to in zip(bars, places, strict=True)], "")
+        )
     note = "Bars are on a logarithmic scale from 0.01 % to 100 % of the value. Values in SI units."
     return doc.Bars("Standard errors of base parameters", rows, note)
-
-
-def _logarithmic(part: float) -> float:
-    """Return where a part in percent is on a scale from 0.01 % to 100 %, in percent of its length."""
-    return 25.0 * (min(max(log10(max(part, 1e-9)), -2.0), 2.0) + 2.0)
 
 
 def excitation_verdict(found: Excitation) -> doc.Verdict:

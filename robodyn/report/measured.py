@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -122,26 +122,22 @@ def measured_page(found: Comparison, pictures: bool = True) -> doc.Document:
     """Return the verdict, how far each joint is explained, plots of torques, residuals and friction, and the same."""
     summary, causes, *numbers = measured_sections(found)
     reasons = tuple(block.text for block in (*summary[:1], *causes[1:]) if isinstance(block, doc.Paragraph))
-    labels, rows = ("computed", "with effects"), []
-    charts: list[doc.Chart] = []
+    labels, charts = ("computed", "with effects"), list[doc.Chart]()
+    errors = {joint.name: (joint.relative_error, joint.left / joint.measured) for joint in found.joints}
+    caption = "RMS of measured less computed torque, of that of the measured one"
+    first: list[doc.Block] = [replace(verdict_on(found), reasons=reasons), error_bars(caption, labels, errors)]
     if pictures:
         from robodyn.report.charts import Course
 
         course = Course(found.curves)
-    for joint in found.joints:
-        parts = ((joint.residual, labels[0], "soft"), (joint.left, labels[1], "c2"))
-        rows.append((joint.name, error_bars((100.0 * x / joint.measured, *rest) for x, *rest in parts), ""))
-        if pictures:
+        first += played("The robot along the log, with measured torques", found.model, course.frames, "measured")
+        for joint in found.joints:
             said = f"measured {number(joint.measured)} {joint.unit} RMS, computed {number(joint.computed)}, "
             said += f"residual {number(joint.residual)}, {number(joint.left)} with effects"
             speed, told = (course.frames[f"{kind}_{joint.name}"] for kind in ("speed", "friction"))
             dots = {"friction that is told": (speed, told)} if told.any() else {}
-            charts += log_charts(course, joint.name, joint.unit, labels, said, dots)
-    bars = doc.Bars("RMS of measured less computed torque, of that of the measured one", rows, CLIPPED)
-    first: list[doc.Block] = [replace(verdict_on(found), reasons=reasons), bars]
-    if pictures:
-        first += played("The robot along the log, with measured torques", found.model, course.frames, "measured")
-    first += [*doc.titled("Along the log", doc.gallery(charts))]
+            charts += log_charts(course, joint.name, joint.unit, labels, said, dots=dots)
+        first += doc.titled("Along the log", doc.gallery(charts))
     what = f"Measured against computed torques of {printable(found.file)}"
     files = [("measured.json", measured_json(found))]
     how = "robodyn torques --measured --format json prints it"
@@ -169,12 +165,14 @@ def played(
     yield from doc.paragraphs([why] if why else [])
 
 
-CLIPPED = "Bars end at 100 %."
-
-
-def error_bars(parts: Iterable[Sequence[Any]]) -> list[tuple[str, float, float, str]]:
-    """Return bars of errors: each in percent of the measured torque, what it is, and its colour."""
-    return [(f"{what} {percent(error / 100.0)}", 0.0, min(error, 100.0), colour) for error, what, colour in parts]
+def error_bars(caption: str, labels: Sequence[str], errors: Mapping[str, tuple[float, float]]) -> doc.Bars:
+    """Return bars of errors before and after, by joint, as parts of what is measured."""
+    rows = []
+    for name, both in errors.items():
+        each = zip(labels, both, ("soft", "c2"), strict=True)
+        bars = [(f"{label} {percent(part)}", 0.0, min(100.0 * part, 100.0), colour) for label, part, colour in each]
+        rows.append((name, bars, ""))
+    return doc.Bars(caption, rows, "Bars end at 100 %.")
 
 
 def log_charts(
@@ -183,22 +181,22 @@ def log_charts(
     unit: str,
     labels: tuple[str, str],
     said: str,
-    dots: Mapping[str, tuple[Floats, Floats]],
-    lines: Mapping[str, tuple[Floats, Floats]] | None = None,
+    *,
     spans: Sequence[tuple[float, float, str]] = (),
+    **friction: Mapping[str, tuple[Floats, Floats]],
 ) -> Iterator[doc.Chart]:
     """Yield torques of a joint along a log, what is measured beyond computed ones, and friction over speed.
 
     Args:
         labels: of what is computed, and of what is explained in the end; said: what is to be seen.
-        dots, lines: friction, beside what is measured beyond all but friction.
+        friction: dots or lines, beside what is measured beyond all but friction.
     """
     from robodyn.report.charts import plane_chart, time_chart
 
     name, what, colours = printable(joint), "force" if unit == "N" else "torque", ("c1", "soft", "c2")
     steps = np.diff(course.time, prepend=course.time[0])
     gap = steps > 3.0 * np.median(steps)
-    speed, measured, explained, friction = (
+    speed, measured, explained, found = (
         course.frames[f"{kind}_{joint}"] for kind in ("speed", "measured", "explained", "friction")
     )
     for title, kinds in ((what, ("measured", "computed", "explained")), ("residual", ("off", "left"))):
@@ -208,16 +206,16 @@ def log_charts(
         caption, own = f"{name}: {title} [{unit}]", colours[-len(kinds) :]
         alt, wide = f"{caption} over time: {said}", ("measured",)
         yield time_chart(caption, alt, course.time, curves, unit, spans=spans, colours=own, wide=wide)
-    across = f"speed [{'m/s' if unit == 'N' else 'rad/s'}]"
-    caption, least, most = f"{name}: friction over speed", float(friction.min()), float(friction.max())
+    caption, least, most = f"{name}: friction over speed", float(found.min()), float(found.max())
+    rest, across = "measured less all else", f"speed [{'m/s' if unit == 'N' else 'rad/s'}]"
     chart = plane_chart(
         caption,
         f"{caption}, from {number(least, most)} to {number(most, least)} {unit}",
         across,
         f"{what} [{unit}]",
-        dots={"measured less all else": (speed, measured - explained + friction), **dots},
-        lines=lines,
-        colours={"measured less all else": "c1"} | dict.fromkeys((*dots, *(lines or {})), "c2"),
+        dots={rest: (speed, measured - explained + found), **friction.get("dots", {})},
+        lines=friction.get("lines"),
+        colours={rest: "c1"} | {label: "c2" for each in friction.values() for label in each},
         time=course.frames["time"],
     )
     yield replace(chart, look={**chart.look, "height": 210})
