@@ -206,11 +206,14 @@ def link_shapes_page(found: LinkShapes, description: Description, view: View, pi
 
 def differences_page(found: Comparison, description: Description, pictures: bool) -> doc.Document:
     """Return how far declared inertias are from those of shapes, the robot with the links that differ lit."""
+    from robodyn.robot.masses.shapes import UNCERTAIN
+
     differences = {link.name: link.difference.inertia for link in found.links if link.difference is not None}
+    differences = {name: each if each > UNCERTAIN else 0.0 for name, each in differences.items()}
     far, rest = [name for name, each in differences.items() if each > _FAR], len(found.links) - len(differences)
     level: doc.Level = "doubtful" if far else "good" if differences else "neutral"
     headline = f"{len(far)} of {len(differences)} links differ from their shapes by more than {100 * _FAR:.0f} %"
-    reasons = (f"{rest} more links cannot be compared.",) if rest else ()
+    reasons = (f"{count(rest, 'more link')} cannot be compared.",) if rest else ()
     first: list[doc.Block] = [doc.Verdict(level, headline, reasons)]
     if pictures:
         caption = "The robot, links that differ lit, and ellipsoids of the declared masses and inertias"

@@ -113,7 +113,7 @@ def _body(body: Body) -> dict[str, Any]:
 
 
 def _spread(mass: float, centre: Any, about_centre: Any) -> dict[str, Any]:
-    """Return mass, centre and the even ellipsoid with that inertia, if any: axes (row by row, a rotation), half-axes."""
+    """Return mass, centre and the even ellipsoid of that inertia, if any: axes (row by row, a rotation), half-axes."""
     found: dict[str, Any] = {"mass": mass, "centre": [float(x) for x in centre], "ellipsoid": None}
     if mass > 0.0:
         moments, axes = np.linalg.eigh(np.asarray(about_centre, dtype=float))
