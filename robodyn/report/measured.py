@@ -121,7 +121,8 @@ def measured_sections(found: Comparison) -> Iterator[doc.Section]:
 def measured_page(found: Comparison, pictures: bool = True) -> doc.Document:
     """Return the verdict, how far each joint is explained, plots of torques, residuals and friction, and the same."""
     summary, causes, *numbers = measured_sections(found)
-    reasons = tuple(block.text for block in (*summary[:1], *causes[1:]) if isinstance(block, doc.Paragraph))
+    said = (block.text for block in (summary[0], *causes[1:]) if isinstance(block, doc.Paragraph))
+    reasons = tuple(line.removeprefix(f"{k}. ") for k, line in enumerate(said))
     labels, charts = ("computed", "with effects"), list[doc.Chart]()
     errors = {joint.name: (joint.relative_error, joint.left / joint.measured) for joint in found.joints}
     caption = "RMS of measured less computed torque, of that of the measured one"
@@ -132,11 +133,11 @@ def measured_page(found: Comparison, pictures: bool = True) -> doc.Document:
         course = Course(found.curves)
         first += played("The robot along the log, with measured torques", found.model, course.frames, "measured")
         for joint in found.joints:
-            said = f"measured {number(joint.measured)} {joint.unit} RMS, computed {number(joint.computed)}, "
-            said += f"residual {number(joint.residual)}, {number(joint.left)} with effects"
+            seen = f"measured {number(joint.measured)} {joint.unit} RMS, computed {number(joint.computed)}, "
+            seen += f"residual {number(joint.residual)}, {number(joint.left)} with effects"
             speed, told = (course.frames[f"{kind}_{joint.name}"] for kind in ("speed", "friction"))
             dots = {"friction that is told": (speed, told)} if told.any() else {}
-            charts += log_charts(course, joint.name, joint.unit, labels, said, dots=dots)
+            charts += log_charts(course, joint.name, joint.unit, labels, seen, dots=dots)
         first += doc.titled("Along the log", doc.gallery(charts))
     what = f"Measured against computed torques of {printable(found.file)}"
     files = [("measured.json", measured_json(found))]
@@ -161,7 +162,9 @@ def played(
     along = stage.motion("", columns["time"], q, use=use, arrows=stage.joint_torques(model, columns, kind))
     shapes, why = stage.shapes_of_bodies(model)
     caption += "; links in the colours of their joints' use of effort: green, red above 100 %" if any(use) else ""
-    yield stage.stage(caption, [stage.robot(model, [along], words=words)], [shapes], loop=loop)
+    peaks = {name: np.abs(columns[f"{kind}_{name}"]).max() for name in model.rates if f"{kind}_{name}" in columns}
+    alt = f"{caption}; the largest: {', '.join(f'{printable(name)} {number(peak)}' for name, peak in peaks.items())}"
+    yield stage.stage(caption, [stage.robot(model, [along], words=words)], [shapes], loop=loop, alt=alt)
     yield from doc.paragraphs([why] if why else [])
 
 
