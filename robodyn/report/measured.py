@@ -138,7 +138,10 @@ def measured_page(found: Comparison, pictures: bool = True) -> doc.Document:
             speed, told = (course.frames[f"{kind}_{joint.name}"] for kind in ("speed", "friction"))
             dots = {"friction that is told": (speed, told)} if told.any() else {}
             charts += log_charts(course, joint.name, joint.unit, labels, seen, dots=dots)
-        first += doc.titled("Along the log", doc.gallery(charts))
+        right = ["Measured torques are drawn with exchanged joints and wrong signs corrected."] * bool(
+            found.channels.faults
+        )
+        first += doc.titled("Along the log", [*doc.paragraphs(right), *doc.gallery(charts)])
     what = f"Measured against computed torques of {printable(found.file)}"
     files = [("measured.json", measured_json(found))]
     how = "robodyn torques --measured --format json prints it"

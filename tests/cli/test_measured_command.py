@@ -62,7 +62,9 @@ def test_exchanged_and_reversed_torques_are_said_first(bench, tmp_path):
     tau = tau[:, [1, 0, 2]]
     tau[:, 2] *= -1.0
     path = log(tmp_path / "log.csv", bench, tau)
-    text = measured(path, "--cutoff", "8").out
+    page = tmp_path / "page.md"
+    text = measured(path, "--cutoff", "8", "--report", str(page)).out
+    assert "❌ The model differs" in page.read_text(encoding="utf-8")
     assert "1. The measured torques of waist and shoulder are exchanged: that explains " in text
     assert "2. The measured torque of elbow has the wrong sign: that explains " in text
     document = found(path, "--cutoff", "8")
