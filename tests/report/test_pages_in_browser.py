@@ -232,6 +232,8 @@ def test_one_cursor_for_charts_robot_and_tables(written, opened) -> None:
     button = page.locator("table:has(caption:has-text('Loads')) tr:has-text('shoulder') button.go").first
     button.click()
     assert clock.inner_text().startswith(f"{float(button.inner_text()):.6g} s, row ")
+    chart(page, "shoulder: torque")
+    page.wait_for_timeout(300)
     says(1 + int(np.argmax(np.abs(data["tau_shoulder"]))))
 
 

@@ -1,24 +1,24 @@
 // Charts by uPlot, one cursor in time for all of them and the robot, and peaks in tables that lead there.
 // After the first paint, so that words and tables are there at once.
 requestAnimationFrame(() => setTimeout(() => {
-  const element = document.getElementById("data");
-  if (!element) return;
-  const { looks, arrays: packed } = JSON.parse(element.textContent);
+  const data = document.getElementById("data");
+  if (!data) return;
+  const { looks, arrays: packed } = JSON.parse(data.textContent), root = document.documentElement;
   const arrays = packed.map(({ values, n, low, step, levels }) => {
     if (values) return Float64Array.from(values, (x) => x ?? NaN);
     if (levels === undefined) return new Float64Array(n).fill(low);
     const raw = new Int32Array(Uint8Array.from(atob(levels), (c) => c.charCodeAt(0)).buffer);
     return Float64Array.from(raw, (level) => level === -(2 ** 31) ? NaN : low + step * (level + 2147483647));
   });
-  const style = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+  const style = (name) => getComputedStyle(root).getPropertyValue(`--${name}`).trim();
   const rgb = (name) => [1, 3, 5].map((k) => parseInt(style(name).slice(k, k + 2), 16) / 255);
   const short = (x) => x === null || Number.isNaN(x) ? "-" : Number(x.toPrecision(6)).toString();
-  const shared = { charts: [], stages: [], time: null };
+  const made = new Map(), stages = [], shared = { time: null, range: null };
 
   function setTime(t, from) {
     shared.time = t;
-    for (const chart of shared.charts) if (chart !== from && chart.show) chart.show(t);
-    for (const stage of shared.stages) if (stage !== from) stage.setTime(t);
+    for (const chart of made.values()) if (chart !== from && chart.seen) chart.show?.(t);
+    for (const stage of stages) if (stage !== from) stage.setTime(t);
   }
   const nearest = (xs, x) => {
     let low = 0, high = xs.length - 1;
@@ -29,16 +29,10 @@ requestAnimationFrame(() => setTimeout(() => {
     return x - xs[low] <= xs[high] - x ? low : high;
   };
   function readout(figure, first, values) {
-    const place = figure.querySelector(".readout");
-    place.replaceChildren(...[[null, first, ""], ...values].filter(([, label]) => label).map(([colour, label, text]) => {
-      const span = document.createElement("span");
-      if (colour) {
-        const key = document.createElement("i");
-        key.style.background = `var(--${colour})`;
-        span.append(key);
-      }
-      span.append(text === "" ? label : `${label} ${text}`);
-      return span;
+    figure.querySelector(".readout").replaceChildren(...[[null, first, ""], ...values].filter(([, label]) => label).map(([colour, label, text]) => {
+      const key = element("i", {});
+      key.style.background = `var(--${colour})`;
+      return element("span", {}, ...(colour ? [key] : []), text === "" ? label : `${label} ${text}`);
     }));
   }
   // Decades of a logarithmic axis, every few of many, also 2 and 5 of few; even steps within one.
@@ -56,37 +50,37 @@ requestAnimationFrame(() => setTimeout(() => {
     ...(log ? { splits: (_, axis, min, max) => logTicks(min, max), filter: (_, ticks) => ticks } : {}),
     space: k ? 34 : 60,
   }));
-  // The chart's own look on top of uPlot's: what is drawn behind and before curves.
-  function dashed(u, from, to, colour) {
-    const { ctx } = u;
-    ctx.save();
-    ctx.beginPath();
-    ctx.rect(u.bbox.left, u.bbox.top, u.bbox.width, u.bbox.height);
-    ctx.clip();
-    ctx.strokeStyle = style(colour);
-    ctx.setLineDash([5 * devicePixelRatio, 3 * devicePixelRatio]);
-    ctx.lineWidth = 1.2 * devicePixelRatio;
-    ctx.beginPath();
-    ctx.moveTo(...from);
-    ctx.lineTo(...to);
-    ctx.stroke();
-    ctx.restore();
+  // The chart's own look on top of uPlot's: what is drawn behind and before curves, within the axes.
+  function within(u, draw) {
+    u.ctx.save();
+    u.ctx.beginPath();
+    u.ctx.rect(u.bbox.left, u.bbox.top, u.bbox.width, u.bbox.height);
+    u.ctx.clip();
+    draw(u.ctx, devicePixelRatio, (x) => u.valToPos(x, "x", true), (y) => u.valToPos(y, "y", true));
+    u.ctx.restore();
   }
-
-  const shade = (look) => (u) => {
+  function stroke(ctx, colour, wide, points) {
+    ctx.strokeStyle = style(colour);
+    ctx.lineWidth = wide;
+    ctx.beginPath();
+    points.forEach(([x, y], k) => { // nan ends a line
+      if (k && !Number.isNaN(points[k - 1][0])) ctx.lineTo(x, y); else ctx.moveTo(x, y);
+    });
+    ctx.stroke();
+  }
+  const shade = (look) => (u) => within(u, (ctx, ratio, across) => {
+    ctx.fillStyle = style("grid");
     for (const [from, to] of look.spans) {
-      const left = u.valToPos(Math.max(from, u.scales.x.min), "x", true), right = u.valToPos(Math.min(to, u.scales.x.max), "x", true);
-      u.ctx.fillStyle = style("grid");
-      if (right > left) u.ctx.fillRect(left, u.bbox.top, right - left, u.bbox.height);
+      const left = Math.max(across(from), u.bbox.left);
+      ctx.fillRect(left, u.bbox.top, Math.max(Math.min(across(to), u.bbox.left + u.bbox.width) - left, 0), u.bbox.height);
     }
-  };
+  });
 
   function timeChart(figure, look) {
     const host = figure.querySelector(".plot"), x = arrays[look.x], banded = look.series.some((each) => each.high !== null);
-    const twice = (values) => { const out = new Float64Array(2 * values.length); values.forEach((v, k) => { out[2 * k] = out[2 * k + 1] = v; }); return out; };
-    const zigzag = (low, high) => { const out = new Float64Array(2 * low.length); low.forEach((v, k) => { out[2 * k] = v; out[2 * k + 1] = high[k]; }); return out; };
+    const zigzag = (low, high) => Float64Array.from({ length: 2 * low.length }, (_, k) => (k % 2 ? high : low)[k >> 1]);
     const clean = (values) => Array.from(values, (v) => Number.isNaN(v) ? null : v);
-    const data = [banded ? twice(x) : x, ...look.series.map(({ y, high }) => clean(banded ? zigzag(arrays[y], arrays[high ?? y]) : arrays[y]))];
+    const data = [banded ? zigzag(x, x) : x, ...look.series.map(({ y, high }) => clean(banded ? zigzag(arrays[y], arrays[high ?? y]) : arrays[y]))];
     const self = { resize: (size) => u.setSize(size ?? room()) };
     const room = () => ({ width: Math.max(host.clientWidth, 200), height: look.height ?? 210 });
     const tell = (idx) => {
@@ -114,16 +108,15 @@ requestAnimationFrame(() => setTimeout(() => {
       }))],
       hooks: {
         drawClear: [shade(look)],
-        draw: [(u) => {
-          for (const [value] of look.levels) {
-            const y = u.valToPos(value, "y", true);
-            if (y >= u.bbox.top && y <= u.bbox.top + u.bbox.height) dashed(u, [u.bbox.left, y], [u.bbox.left + u.bbox.width, y], "bad");
-          }
-        }],
+        draw: [(u) => within(u, (ctx, ratio, across, up) => {
+          ctx.setLineDash([5 * ratio, 3 * ratio]);
+          for (const [value] of look.levels) stroke(ctx, "bad", 1.2 * ratio, [0, u.bbox.width].map((x) => [u.bbox.left + x, up(value)]));
+        })],
         setScale: [(u, key) => {
-          if (key !== "x" || shared.zooming) return;
+          if (key !== "x" || shared.zooming || !self.u) return;
           shared.zooming = true;
-          for (const chart of shared.charts) if (chart !== self && chart.zoom) chart.zoom(u.scales.x.min, u.scales.x.max);
+          shared.range = u.scales.x;
+          for (const chart of made.values()) if (chart !== self) chart.zoom?.(shared.range);
           shared.zooming = false;
         }],
       },
@@ -137,17 +130,17 @@ requestAnimationFrame(() => setTimeout(() => {
       tell(idx);
       setTime(data[0][idx], self);
     });
-    self.zoom = (min, max) => u.setScale("x", { min, max });
+    self.zoom = ({ min, max }) => u.setScale("x", { min, max });
     host.addEventListener("keydown", (event) => {
-      const at = nearest(data[0], shared.time ?? data[0][0]), { min, max } = u.scales.x, step = banded ? 2 : 1;
-      const steps = { ArrowLeft: -step, ArrowRight: step, PageUp: -50, PageDown: 50, Home: -data[0].length, End: data[0].length };
+      const [first, last] = [data[0][0], data[0].at(-1)], { min, max } = u.scales.x, step = banded ? 2 : 1, end = data[0].length;
+      const steps = { ArrowLeft: -step, ArrowRight: step, PageUp: -50, PageDown: 50, Home: -end, End: end }, parts = { "+": 0.5, "-": 2, Escape: Infinity };
       if (event.key in steps) {
-        setTime(data[0][Math.min(Math.max(at + steps[event.key], 0), data[0].length - 1)]);
-      } else if (event.key === "+" || event.key === "-") {
-        const middle = shared.time ?? (min + max) / 2, part = event.key === "+" ? 0.5 : 2;
-        u.setScale("x", { min: Math.max(middle + part * (min - middle), data[0][0]), max: Math.min(middle + part * (max - middle), data[0][data[0].length - 1]) });
-      } else if (event.key === "Escape") u.setScale("x", { min: data[0][0], max: data[0][data[0].length - 1] });
-      else return;
+        const at = nearest(data[0], shared.time ?? first) + steps[event.key];
+        setTime(data[0][Math.min(Math.max(at, 0), end - 1)]);
+      } else if (event.key in parts) {
+        const half = parts[event.key] * (max - min) / 2, middle = Math.min(Math.max(shared.time ?? (min + max) / 2, min), max);
+        self.zoom({ min: Math.max(middle - half, first), max: Math.min(middle + half, last) });
+      } else return;
       event.preventDefault();
     });
     readout(figure, "", look.series.map(({ label, colour }) => [colour, label, ""]));
@@ -157,8 +150,10 @@ requestAnimationFrame(() => setTimeout(() => {
   function planeChart(figure, look) {
     const host = figure.querySelector(".plot"), points = look.series.map(({ x, y }) => [arrays[x], arrays[y]]);
     const range = (k) => {
-      const marks = look.marks.map((mark) => mark[k]), all = points.flatMap((pair) => [pair[k].reduce((a, b) => Math.min(a, Number.isNaN(b) ? a : b), Infinity), pair[k].reduce((a, b) => Math.max(a, Number.isNaN(b) ? a : b), -Infinity)]);
-      const least = Math.min(...all, ...marks), most = Math.max(...all, ...marks);
+      let least = Infinity, most = -Infinity;
+      for (const values of [look.marks.map((mark) => mark[k]), ...points.map((pair) => pair[k])]) {
+        for (const value of values) if (!Number.isNaN(value)) { least = Math.min(least, value); most = Math.max(most, value); }
+      }
       if (look.log) return [least / 1.3 / (most / least) ** 0.05, 1.3 * most * (most / least) ** 0.05];
       const gap = 0.07 * (most - least || Math.abs(most) || 1);
       return [least - gap, most + gap];
@@ -167,55 +162,21 @@ requestAnimationFrame(() => setTimeout(() => {
     let ranges = whole;
     const room = () => ({ width: Math.max(host.clientWidth, 200), height: look.height ?? (look.log ? 360 : 300) });
     const time = look.time === null ? null : arrays[look.time];
-    const self = { at: null };
-    const paint = (u) => {
-      const { ctx } = u, ratio = devicePixelRatio;
-      ctx.save();
-      ctx.beginPath();
-      ctx.rect(u.bbox.left, u.bbox.top, u.bbox.width, u.bbox.height);
-      ctx.clip();
-      const spot = (x, y, r) => { ctx.beginPath(); ctx.arc(u.valToPos(x, "x", true), u.valToPos(y, "y", true), r * ratio, 0, 7); ctx.fill(); };
-      if (!look.log) {
-        for (const [a, b] of [[[ranges[0][0], 0], [ranges[0][1], 0]], [[0, ranges[1][0]], [0, ranges[1][1]]]]) {
-          ctx.strokeStyle = style("rule");
-          ctx.beginPath();
-          ctx.moveTo(u.valToPos(a[0], "x", true), u.valToPos(a[1], "y", true));
-          ctx.lineTo(u.valToPos(b[0], "x", true), u.valToPos(b[1], "y", true));
-          ctx.stroke();
-        }
+    const self = {}, at = element("div", { className: "at" });
+    const paint = (u) => within(u, (ctx, ratio, across, up) => {
+      const spot = (x, y, r) => { ctx.beginPath(); ctx.arc(x, y, r * ratio, 0, 7); ctx.fill(); };
+      if (!look.log) for (const ends of [[[ranges[0][0], 0], [ranges[0][1], 0]], [[0, ranges[1][0]], [0, ranges[1][1]]]]) {
+        stroke(ctx, "rule", ratio, ends.map(([x, y]) => [across(x), up(y)]));
       }
       look.series.forEach(({ colour, style: kind }, s) => {
-        const [xs, ys] = points[s];
-        ctx.fillStyle = ctx.strokeStyle = style(colour);
-        if (kind === "dots") {
-          const small = xs.length > 300;
-          for (let k = 0; k < xs.length; k++) {
-            const x = u.valToPos(xs[k], "x", true), y = u.valToPos(ys[k], "y", true), r = (small ? 1.3 : 3) * ratio;
-            if (small) ctx.fillRect(x - r, y - r, 2 * r, 2 * r); else spot(xs[k], ys[k], 3);
-          }
-        } else {
-          ctx.lineWidth = 1.6 * ratio;
-          ctx.beginPath();
-          let open = false;
-          for (let k = 0; k < xs.length; k++) {
-            if (Number.isNaN(xs[k])) { open = false; continue; }
-            const to = [u.valToPos(xs[k], "x", true), u.valToPos(ys[k], "y", true)];
-            if (open) ctx.lineTo(...to); else ctx.moveTo(...to);
-            open = true;
-          }
-          ctx.stroke();
-        }
+        const places = Array.from(points[s][0], (x, k) => [across(x), up(points[s][1][k])]), r = 1.3 * ratio;
+        ctx.fillStyle = style(colour);
+        if (kind !== "dots") stroke(ctx, colour, 1.6 * ratio, places);
+        else for (const [x, y] of places) if (places.length > 300) ctx.fillRect(x - r, y - r, 2 * r, 2 * r); else spot(x, y, 3);
       });
-      for (const [x, y, , colour] of look.marks) { ctx.fillStyle = style(colour); spot(x, y, 5); }
-      if (self.at !== null) {
-        ctx.strokeStyle = style("ink");
-        ctx.lineWidth = 2 * ratio;
-        ctx.beginPath();
-        ctx.arc(u.valToPos(points[0][0][self.at], "x", true), u.valToPos(points[0][1][self.at], "y", true), 6 * ratio, 0, 7);
-        ctx.stroke();
-      }
-      ctx.restore();
-    };
+      for (const [x, y, , colour] of look.marks) { ctx.fillStyle = style(colour); spot(across(x), up(y), 5); }
+      if (time && shared.time !== null) self.show(shared.time);
+    });
     const scale = (k) => ({ time: false, distr: look.log ? 3 : 1, range: () => ranges[k] });
     const u = new uPlot({
       ...room(), legend: { show: false }, cursor: { drag: { x: true, y: true, uni: 20, setScale: false }, points: { show: false } },
@@ -257,32 +218,37 @@ requestAnimationFrame(() => setTimeout(() => {
     fit();
     u.over.addEventListener("dblclick", fit);
     host.addEventListener("keydown", (event) => { if (event.key === "Escape") fit(); });
-    if (time) self.show = (t) => { self.at = nearest(time, t); u.redraw(false); };
+    if (time) self.show = (t) => {
+      const k = nearest(time, t);
+      at.style.translate = `${u.valToPos(points[0][0][k], "x")}px ${u.valToPos(points[0][1][k], "y")}px`;
+      u.over.append(at);
+    };
     readout(figure, "", [...look.series, ...look.marks.map(([, , label, colour]) => ({ label, colour }))].map(({ label, colour }) => [colour, label, ""]));
     return Object.assign(self, { u, resize: (size) => { u.setSize(size ?? room()); fit(); } });
   }
 
-  const made = new Map();
   function make(figure) {
     if (made.has(figure)) return;
     const look = looks[Number(figure.dataset.look)];
     const chart = look.kind === "time" ? timeChart(figure, look) : planeChart(figure, look);
     made.set(figure, chart);
-    shared.charts.push(chart);
-    if (shared.time !== null && chart.show) setTimeout(() => chart.show(shared.time)); // uPlot lays itself out first
+    if (shared.range) chart.zoom?.(shared.range);
   }
-  const waiting = new IntersectionObserver((entries) => entries.forEach((entry) => {
-    if (entry.isIntersecting) make(entry.target);
+  const waiting = new IntersectionObserver((entries) => entries.forEach(({ target, isIntersecting }) => {
+    if (isIntersecting) make(target);
+    const chart = made.get(target);
+    if (chart) chart.seen = isIntersecting;
+    if (isIntersecting && shared.time !== null) setTimeout(() => chart.show?.(shared.time)); // uPlot lays itself out first
   }), { rootMargin: "400px" });
   const figures = [...document.querySelectorAll("figure.chart")];
   figures.forEach((figure) => waiting.observe(figure));
   const all = (size) => {
     figures.forEach(make);
     made.forEach((chart) => { chart.resize(size); chart.u.redraw(false, true); });
-    shared.stages.forEach((stage) => stage.render());
+    stages.forEach((stage) => stage.render());
   };
   // On paper: so many charts beside each other that they fit on one page, in the colours of paper.
-  const root = document.documentElement, homes = [...document.querySelectorAll(".gallery figure")].map((each) => [each, each.parentElement]);
+  const homes = [...document.querySelectorAll(".gallery figure")].map((each) => [each, each.parentElement]);
   window.addEventListener("beforeprint", () => {
     homes.forEach(([each, home]) => { home.hidden = home !== homes[0][1]; homes[0][1].append(each); });
     const across = [3, 4, 5, 6, 7].find((n) => Math.ceil(homes.length / n) * (412 / n + 42) <= 940) ?? 8;
@@ -306,7 +272,7 @@ requestAnimationFrame(() => setTimeout(() => {
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => all());
   for (const figure of document.querySelectorAll("figure.stage")) {
     const stage = makeViewer(figure, looks[Number(figure.dataset.look)], arrays, rgb, (t) => setTime(t, stage));
-    if (stage) shared.stages.push(stage);
+    if (stage) stages.push(stage);
   }
   // Times in tables lead there.
   for (const table of document.querySelectorAll("table")) {
@@ -315,12 +281,11 @@ requestAnimationFrame(() => setTimeout(() => {
       for (const row of table.tBodies[0].rows) {
         const cell = row.cells[column], t = Number(cell.textContent);
         if (cell.textContent.trim() === "" || Number.isNaN(t)) continue;
-        const button = document.createElement("button");
-        Object.assign(button, { type: "button", className: "go", textContent: cell.textContent, title: "show this moment" });
+        const button = element("button", { type: "button", className: "go", title: "show this moment" }, cell.textContent);
         button.addEventListener("click", () => setTime(t));
         cell.replaceChildren(button);
       }
     });
   }
-  window.robodyn = { setTime, arrays, looks, charts: made, stages: shared.stages, all };
+  window.robodyn = { setTime, arrays, looks, charts: made, stages, all };
 }));

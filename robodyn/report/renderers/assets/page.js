@@ -1,4 +1,9 @@
 "use strict";
+const element = (tag, properties, ...inside) => {
+  const made = Object.assign(document.createElement(tag), properties);
+  made.append(...inside);
+  return made;
+};
 for (const table of document.querySelectorAll("table:has(thead)")) {
   const body = table.tBodies[0];
   const heads = [...table.tHead.rows[0].cells];
@@ -9,9 +14,7 @@ for (const table of document.querySelectorAll("table:has(thead)")) {
   };
   heads.forEach((head, column) => {
     if (head.tagName !== "TH") return;
-    const button = document.createElement("button");
-    button.type = "button";
-    button.append(...head.childNodes);
+    const button = element("button", { type: "button" }, ...head.childNodes);
     head.append(button);
     button.addEventListener("click", () => {
       const before = head.getAttribute("aria-sort");

@@ -1,11 +1,6 @@
 // The robot in WebGL 2: bodies placed by their joints, arrows of what acts on them, one body picked and told in numbers.
 function makeViewer(figure, stage, arrays, rgb, onTime) {
   const $ = (name) => figure.querySelector(`[data-part="${name}"]`);
-  const element = (tag, properties, ...inside) => {
-    const made = Object.assign(document.createElement(tag), properties);
-    made.append(...inside);
-    return made;
-  };
   const canvas = $("canvas"), gl = canvas.getContext("webgl2", { alpha: false, antialias: true, preserveDrawingBuffer: true });
   if (!gl) {
     $("message").textContent = "This browser has no WebGL 2, which draws the robot. The tables have all numbers.";
