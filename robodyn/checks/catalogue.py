@@ -16,13 +16,11 @@ _FAMILIES = [import_module(name) for _, name, _ in iter_modules(rules.__path__, 
 _FOUND = [one for family in _FAMILIES for one in vars(family).values() if isinstance(one, Rule)]
 RULES: tuple[Rule, ...] = tuple(sorted(_FOUND, key=lambda rule: rule.code))
 CODES = tuple(rule.code for rule in RULES)
-
 _LEAST = 3  # characters of a code that say of which kind a rule is: RD2
 ALL, DEFAULT = "ALL", "DEFAULT"
 WORDS = (ALL, DEFAULT)
 """What may be selected beside codes: every finding of every rule; those that are errors or likely defects."""
 BY_CODE = {rule.code: rule for rule in RULES}
-
 Codes = tuple[str, ...]
 
 

@@ -155,40 +155,6 @@ class Tree:
         return self.links[0]
 
 
-def build_tree(view: View) -> Tree | None:
-    """Return the tree; None where there is none, or names or types are not in order: RD101 to RD109 say why."""
-    above = {joint.child: joint for joint in view.joints}
-    unique = len(view.link) == len(view.links) and len(view.joint) == len(view.joints) == len(above)
-    led = all(joint.parent in view.link and joint.child in view.link for joint in view.joints)
-    typed = all(joint.type in JOINT_TYPES for joint in view.joints)
-    roots = [link for link in view.links if link.name not in above]
-    if not (unique and led and typed) or len(roots) != 1:
-        return None
-    below: dict[str, list[str]] = {}
-    for joint in view.joints:
-        below.setdefault(joint.parent, []).append(joint.child)
-    links, waiting = list[LinkView](), [roots[0].name]
-    while waiting:
-        name = waiting.pop()
-        links.append(view.link[name])
-        waiting += reversed(below.get(name, ()))
-    if len(links) < len(view.links):
-        return None
-    groups, group = list[Group](), dict[str, Group]()
-    for link in links:
-        carrier = above.get(link.name)
-        parent = None if carrier is None else group[carrier.parent]
-        if carrier is not None and parent is not None and not carrier.moves:
-            parent.links.append(link)
-            group[link.name] = parent
-            continue
-        group[link.name] = Group([link], carrier, parent)
-        groups.append(group[link.name])
-        if parent is not None:
-            parent.children.append(group[link.name])
-    return Tree(tuple(links), above, tuple(groups), group)
-
-
 @dataclass(frozen=True, eq=False)
 class Context:
     """One file under check, what of `Options` the rules need, and the codes of all rules."""
@@ -230,7 +196,38 @@ class Context:
 
     @cached_property
     def tree_or_none(self) -> Tree | None:
-        return build_tree(self.view)
+        """None where there is no tree, or names or types are not in order: RD101 to RD109 say why."""
+        view = self.view
+        above = {joint.child: joint for joint in view.joints}
+        unique = len(view.link) == len(view.links) and len(view.joint) == len(view.joints) == len(above)
+        led = all(joint.parent in view.link and joint.child in view.link for joint in view.joints)
+        typed = all(joint.type in JOINT_TYPES for joint in view.joints)
+        roots = [link for link in view.links if link.name not in above]
+        if not (unique and led and typed) or len(roots) != 1:
+            return None
+        below: dict[str, list[str]] = {}
+        for joint in view.joints:
+            below.setdefault(joint.parent, []).append(joint.child)
+        links, waiting = list[LinkView](), [roots[0].name]
+        while waiting:
+            name = waiting.pop()
+            links.append(view.link[name])
+            waiting += reversed(below.get(name, ()))
+        if len(links) < len(view.links):
+            return None
+        groups, group = list[Group](), dict[str, Group]()
+        for link in links:
+            carrier = above.get(link.name)
+            parent = None if carrier is None else group[carrier.parent]
+            if carrier is not None and parent is not None and not carrier.moves:
+                parent.links.append(link)
+                group[link.name] = parent
+                continue
+            group[link.name] = Group([link], carrier, parent)
+            groups.append(group[link.name])
+            if parent is not None:
+                parent.children.append(group[link.name])
+        return Tree(tuple(links), above, tuple(groups), group)
 
     @cached_property
     def description_or_none(self) -> Description | None:

@@ -38,8 +38,6 @@ Held = Mapping[str, Any]
 (xx, xy, xz, yy, yz, zz) [kg m^2]; `joints`: by name `limits` and `friction`; `free`: bodies that float; `coupled`: the
 joints that mimic others, of MuJoCo; `shapes`: how many of each kind."""
 _CHANGED = 1e-6  # relative, or m, from which a number is another one
-
-
 _FUSED, _DROPPED, _WORLD = "fuses {} with what carries them", "drops {}", "makes {} a part of the world, without mass"
 _MOST = 3
 _LONGEST = 300

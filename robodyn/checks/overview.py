@@ -6,7 +6,7 @@ import os
 import re
 import shlex
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import fsum, inf
 
@@ -103,15 +103,24 @@ def overview(
     )
     model = assemble(description)
     at = {}
-    for joint in (joint for joint in model.independent if joint.kind != "floating"):
-        lower, upper = -inf if joint.lower is None else joint.lower, inf if joint.upper is None else joint.upper
-        at[joint.name] = min(max(0.0, lower), upper) if lower <= upper else 0.0
+    for one in (each for each in model.independent if each.kind != "floating"):
+        lower, upper = -inf if one.lower is None else one.lower, inf if one.upper is None else one.upper
+        at[one.name] = min(max(0.0, lower), upper) if lower <= upper else 0.0
     uses = [(link.name, each) for link in description.links for each in link.geometries if each.filename is not None]
     first = {use[1].filename or "": use for use in reversed(uses)}
     missing = [use for use in uses if first[use[1].filename or ""] is use]
     missing = [use for use in missing if description.search.find(use[1].filename or "") is None]
     mass, com, notes = _centre(description, model, at)
     checked = check_description(description, Options(package_path=folders))
+    links, carried, branches = {link.name: link for link in description.links}, dict[str, list[Joint]](), list[Branch]()
+    for joint in description.joints:
+        carried.setdefault(joint.parent, []).append(joint)
+    waiting: list[tuple[int, str, Joint | None]] = [(0, description.root, None)]
+    while waiting:
+        depth, name, carrier = waiting.pop()
+        link = links[name]
+        branches.append(Branch(name, link.line, depth, link.inertial.mass if link.inertial else None, carrier))
+        waiting += [(depth + 1, joint.child, joint) for joint in reversed(carried.get(name, []))]
     file = "-" if isinstance(path, bytes) else shlex.quote(path)
     commands = [f"robodyn check {file}"] if checked.findings else []
     if any(_PACKAGE.match(geometry.filename or "") for _, geometry in missing):
@@ -124,7 +133,7 @@ def overview(
         name=description.name,
         file=description.file,
         base=model.bodies[0].name,
-        branches=tuple(_branches(description)),
+        branches=tuple(branches),
         massive=len(description.massive),
         types=dict(Counter(joint.type for joint in description.joints).most_common()),
         mimics=sum(joint.mimic is not None for joint in description.joints),
@@ -156,16 +165,3 @@ def _centre(
     ]
     com = np.array([fsum(column) / mass for column in np.array(moments, dtype=float).T.tolist()])
     return mass, com, beyond_limits(model, q)
-
-
-def _branches(description: Description) -> Iterator[Branch]:
-    links = {link.name: link for link in description.links}
-    carried: dict[str, list[Joint]] = {}
-    for joint in description.joints:
-        carried.setdefault(joint.parent, []).append(joint)
-    waiting: list[tuple[int, str, Joint | None]] = [(0, description.root, None)]
-    while waiting:
-        depth, name, carrier = waiting.pop()
-        link = links[name]
-        yield Branch(name, link.line, depth, link.inertial.mass if link.inertial else None, carrier)
-        waiting += [(depth + 1, joint.child, joint) for joint in reversed(carried.get(name, []))]

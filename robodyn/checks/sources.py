@@ -18,9 +18,8 @@ from warnings import warn
 
 from robodyn.checks.catalogue import rules_for
 from robodyn.checks.context import Options, Thresholds
-from robodyn.checks.srdf import srdf_of
-from robodyn.errors import DescriptionError, InputError, NoRobotError, RobodynWarning, unreadable
-from robodyn.robot.urdf.document import read_document
+from robodyn.checks.srdf import document_or_none, srdf_of
+from robodyn.errors import InputError, NoRobotError, RobodynWarning, unreadable
 from robodyn.robot.urdf.sources import Search, is_xacro
 from robodyn.robot.urdf.xacro import no_robot, only_defines
 from robodyn.scene.scene import Rule
@@ -46,7 +45,13 @@ def related_descriptions(path: str) -> list[str]:
     include it, through others or not, in the packages beside as well. Without a package.xml above the file they are
     looked for in its folder, in the one above, and in those in these. NoRobotError for none."""
     if is_xacro(path):
-        found = sorted(map(str, _including(Path(path).absolute())))
+        part = Path(path).absolute()
+        home = Search(str(part)).home
+        packages = [] if home is None else [folder.parent for folder in home.parent.glob("*/package.xml")]
+        above, reached = includers({*_in_packages(packages, part, ".xacro"), part}), [part]
+        for one in reached:
+            reached += sorted(above[one].difference(reached))
+        found = sorted({str(file) for file in reached[1:] if not above[file] and not only_defines(str(file))})
         if not found:
             raise no_robot(path)
     else:
@@ -54,7 +59,9 @@ def related_descriptions(path: str) -> list[str]:
         home = Search(str(file)).home
         descriptions = _in_packages([] if home is None else [home], file, ".urdf")
         if path.lower().endswith(".srdf"):
-            found = [str(urdf) for urdf in descriptions if _has_srdf(urdf, file)]
+            documents = {str(urdf): document_or_none(urdf) for urdf in descriptions}
+            own = {name: srdf_of(name, each.root.get("name")) for name, each in documents.items() if each is not None}
+            found = [name for name, each in own.items() if each is not None and os.path.samefile(each.file, file)]
         else:
             found = [str(urdf) for urdf in descriptions if file.name.encode() in read_input(urdf)]
     if not found:
@@ -67,17 +74,6 @@ def _in_packages(packages: Iterable[Path], path: Path, suffix: str) -> list[Path
         file for folder in path.parents[:2] for form in ("*", "*/*") for file in folder.glob(form + suffix)
     }
     return sorted(file for file in found if file.is_file())
-
-
-def _including(parts: Path) -> set[Path]:
-    """Return the xacro files that describe a robot and include this one, through others or not."""
-    home = Search(str(parts)).home
-    packages = [] if home is None else [folder.parent for folder in home.parent.glob("*/package.xml")]
-    above = includers({*_in_packages(packages, parts, ".xacro"), parts})
-    reached = [parts]
-    for one in reached:
-        reached += sorted(above[one].difference(reached))
-    return {file for file in reached[1:] if not above[file] and not only_defines(str(file))}
 
 
 def includers(files: Iterable[Path]) -> dict[Path, set[Path]]:
@@ -117,14 +113,6 @@ def defined_beside(path: str, names: Iterable[str]) -> str | None:
             if all(one.search(text) for one in wanted):
                 return str(other)
     return None
-
-
-def _has_srdf(urdf: Path, srdf: Path) -> bool:
-    try:
-        own = srdf_of(str(urdf), read_document(urdf).root.get("name"))
-    except DescriptionError:
-        return False
-    return own is not None and os.path.samefile(own.file, srdf)
 
 
 def files_of(sources: Sequence[str | os.PathLike[str] | bytes], including: bool = False) -> list[str | bytes]:

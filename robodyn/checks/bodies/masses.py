@@ -17,7 +17,6 @@ from robodyn.solids.inertia.laws import Inertia, combined, inertia_of, symmetric
 
 Tensor = tuple[float, ...]
 """ixx, ixy, ixz, iyy, iyz, izz [kg m^2]."""
-
 POINT = 1e-6
 """Radius of gyration [m] below which a body counts as a point."""
 _ROUNDING = 2e-15

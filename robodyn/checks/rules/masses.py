@@ -227,7 +227,6 @@ def mass_repeated(context: Context) -> Faults:
 _OTHERS, _MOST = 3, 0.9
 """Least number of other links with shapes, and the share of those with an <inertial>. Of 86 published robots one has
 moving links with shapes and no <inertial> beside others that have one, and of its links with shapes half have one."""
-
 _LONG = 0.5  # how long it is at least, by the longest link of its rigid group
 
 
@@ -352,7 +351,6 @@ def triangle_inequality(context: Context) -> Faults:
 
 
 _FRACTION = 0.01  # of the mass of its rigid group; a placeholder on less than this is a remark
-
 _NEAR = 0.05
 
 
