@@ -59,30 +59,18 @@ NOTHING = Asked()
 class Thresholds:
     """The numbers that a project may set for itself; SI units."""
 
-    axis_length: float = 1e-3
-    """RD502: how far the length of an axis may be from 1."""
-    positive_definite: float = 1e-9
-    """RD206: least principal moment over the largest."""
-    triangle: float = 1e-6
-    """RD207: slack of the triangle inequality over the largest principal moment."""
-    least_mass: float = 1e-4
-    """RD209: mass of a moving rigid group."""
-    least_gyration: float = 1e-4
-    """RD209: radius of gyration of a moving rigid group."""
-    mass_ratio: float = 1000.0
-    """RD210: masses of the rigid groups on both sides of a joint."""
-    most_effort: float = MOST_EFFORT
-    """RD506: a greater effort is a sentinel."""
-    most_velocity: float = MOST_VELOCITY
-    """RD506: a greater velocity is a sentinel."""
-    most_range: float = 1e4
-    """RD504: a greater position limit is a sentinel."""
-    mimic_range: float = 1e-3
-    """RD512: how far a follower may be driven beyond its limits [rad or m]."""
-    least_density: float = 10.0
-    """RD304: mass of a rigid group over the volume of the box around its shapes [kg/m^3]."""
-    most_density: float = 9000.0
-    """RD304: a greater one is too dense even for solid steel."""
+    axis_length: float = 1e-3  # RD502: how far the length of an axis may be from 1
+    positive_definite: float = 1e-9  # RD206: least principal moment over the largest
+    triangle: float = 1e-6  # RD207: slack of the triangle inequality over the largest principal moment
+    least_mass: float = 1e-4  # RD209: mass of a moving rigid group
+    least_gyration: float = 1e-4  # RD209: radius of gyration of a moving rigid group
+    mass_ratio: float = 1000.0  # RD210: masses of the rigid groups on both sides of a joint
+    most_effort: float = MOST_EFFORT  # RD506: a greater effort is a sentinel
+    most_velocity: float = MOST_VELOCITY  # RD506: a greater velocity is a sentinel
+    most_range: float = 1e4  # RD504: a greater position limit is a sentinel
+    mimic_range: float = 1e-3  # RD512: how far a follower may be driven beyond its limits [rad or m]
+    least_density: float = 10.0  # RD304: mass of a rigid group over the volume of the box around its shapes [kg/m^3]
+    most_density: float = 9000.0  # RD304: a greater one is too dense even for solid steel
 
 
 @dataclass(frozen=True, repr=False)
@@ -112,8 +100,7 @@ class Options:
         return call_of(self)
 
 
-STANDARD = Options()
-"""What holds where nothing else is asked: the default set, and the thresholds as they are."""
+STANDARD = Options()  # what holds where nothing else is asked: the default set, and the thresholds as they are
 
 
 @dataclass(frozen=True, eq=False)

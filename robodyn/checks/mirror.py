@@ -25,8 +25,7 @@ from robodyn.solids.inertia.laws import symmetric
 from robodyn.support.floats import Floats, first_largest
 from robodyn.support.wording import shown
 
-MASS, MOMENTS = 0.02, 0.10
-"""How far twins may differ: their masses, and their moments relative to the largest."""
+MASS, MOMENTS = 0.02, 0.10  # how far twins may differ: their masses, and their moments relative to the largest
 _FLOOR = 1e-3  # a shift of the centre of mass that is no more is none [m]
 _AXIS = 0.02  # how far an axis may be from the image of its twin's [rad]
 _ALONE = r"(?<![A-Za-z]){}(?![A-Za-z])"
@@ -48,8 +47,7 @@ _SWAPS = tuple(
         (r"(?<=[a-z0-9])L(?![A-Za-z])", "R"),
     )
 )
-Names = tuple[str, str]
-"""Of a left and a right link."""
+Names = tuple[str, str]  # of a left and a right link
 _NEAR = 2e-3  # how far a frame may be from its mirror image, relative to the robot's size
 _SQUARE = [
     np.eye(3)[list(order)] * signs for order in permutations(range(3)) for signs in product_of((1, -1), repeat=3)

@@ -28,8 +28,7 @@ from robodyn.robot.urdf.view import Subject
 
 _BEFORE, _AFTER = 60, 60  # bytes that are shown before and after a finding, at most; its first `_AFTER` count
 __all__ = ["Context", "Edit"]
-HERE = Subject("", "")
-"""The link or joint in which a fault is."""
+HERE = Subject("", "")  # the link or joint in which a fault is
 
 
 class Severity(Enum):

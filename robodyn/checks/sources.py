@@ -28,16 +28,14 @@ from robodyn.support.input_file import read_input
 from robodyn.support.threads import cores, processes
 from robodyn.support.wording import count, listed_paths, shown
 
-RELATED = (".srdf", ".stl", ".obj", ".dae", ".ply", ".glb", ".gltf")
-"""Suffixes of files that belong to descriptions."""
+RELATED = (".srdf", ".stl", ".obj", ".dae", ".ply", ".glb", ".gltf")  # suffixes of files that belong to descriptions
 R = TypeVar("R")
 _LEAST_WORK = 500_000  # bytes of XML in files that take longer to check than processes take to start: half a second
 _MESH = 5_000  # bytes of XML that take as long as a mesh of usual size, read anew
 _INCLUDE = re.compile(rb"""<(?:xacro:)?include\s[^<>]*?filename\s*=\s*["']([^"'<]+)["']""")
 _FIND = re.compile(r"\$\(find ([^)]*)\)")
 _MOST_SOURCE = 1 << 24
-NAMES = ("robodyn.toml", "pyproject.toml")
-"""What is looked for in each folder, in this order."""
+NAMES = ("robodyn.toml", "pyproject.toml")  # what is looked for in each folder, in this order
 
 
 def related_descriptions(path: str) -> list[str]:

@@ -32,8 +32,7 @@ from robodyn.solids.inertia.validity import Box
 from robodyn.support.floats import Floats, first_largest
 from robodyn.support.wording import figure, one_of
 
-FAR = 4.0
-"""Times the bound that are an error."""
+FAR = 4.0  # times the bound that are an error
 _SLIGHT = 1.1
 _EDGE = 1e-3  # of the squared side of a box: a centre of mass this near a face may as well be in the middle
 _ADVICE = "check the unit (kg m^2) and the point (the centre of mass) of the inertia, and the mass"

@@ -22,8 +22,7 @@ from robodyn.support.wording import figure, one_of
 
 DIFFERENT = 0.10
 """How far a tensor may be from its twin's mirror image before something is wrong, relative to its largest entry."""
-SAME = 0.02
-"""How near a correction must come to the twin's mirror image."""
+SAME = 0.02  # how near a correction must come to the twin's mirror image
 _BEYOND = 1.0  # a tensor that is as far from that of the link's shapes as this is large, is beyond them
 _DIGITS = 12
 _HIDDEN = frozenset({"RD307", "RD309", "RD313"})  # the causes that leave a tensor possible

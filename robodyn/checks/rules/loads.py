@@ -326,8 +326,7 @@ def static_torque(context: Context) -> Faults:
         yield Fault(limit.effort.span, what, remedy, abs(torque), joint.effort, severity=severity, kind=_KIND)
 
 
-FACTOR = 1000.0
-"""An effort limit of more than this many times the robot's weight at the joint's reach bounds nothing."""
+FACTOR = 1000.0  # an effort limit of more than this many times the robot's weight at the joint's reach bounds nothing
 
 
 @rule(
@@ -359,8 +358,7 @@ def absurd_effort(context: Context) -> Faults:
         yield Fault(limit.effort.span, what, "write what the actuator can give", joint.effort, FACTOR * most)
 
 
-STEP = 1e-3
-"""s; the usual step of a simulation."""
+STEP = 1e-3  # s; the usual step of a simulation
 
 
 @rule(

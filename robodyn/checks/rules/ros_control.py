@@ -168,8 +168,7 @@ def _subject(transmission: Element) -> Subject:
     return Subject("transmission", transmission.get("name") or "")
 
 
-Numeric = tuple[float | None, float | None]
-"""What is measured, and its bound."""
+Numeric = tuple[float | None, float | None]  # what is measured, and its bound
 
 
 class Controlled(NamedTuple):
