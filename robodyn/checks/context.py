@@ -28,23 +28,13 @@ TARGETS = ("mujoco", "drake", "gz", "kdl", "isaac")
 
 @dataclass(frozen=True, slots=True)
 class Asked:
-    """What is asked.
+    """What is asked; InputError where a target is not known."""
 
-    Attributes:
-        targets: programs whose verdict RD901 gives.
-        against: a git revision whose version of the file RD902 compares with.
-        trajectory: a file with a motion along which RD802 holds the limits against the loads; reading: how it is read,
-            as for `read_motion`.
-        xacro_args: of the file, with which its version at that revision is expanded.
-
-    Raises:
-        InputError: a target is not known."""
-
-    targets: tuple[str, ...] = ()
-    against: str | None = None
-    trajectory: str | None = None
-    reading: Mapping[str, Any] = field(default_factory=dict)
-    xacro_args: tuple[tuple[str, str], ...] = ()
+    targets: tuple[str, ...] = ()  # programs whose verdict RD901 gives
+    against: str | None = None  # a git revision whose version of the file RD902 compares with, or another file
+    trajectory: str | None = None  # a file with a motion along which RD802 holds the limits against the loads
+    reading: Mapping[str, Any] = field(default_factory=dict)  # how it is read, as for `read_motion`
+    xacro_args: tuple[tuple[str, str], ...] = ()  # with which the version at the revision is expanded
 
     def __post_init__(self) -> None:
         for target in self.targets:
@@ -75,26 +65,18 @@ class Thresholds:
 
 @dataclass(frozen=True, repr=False)
 class Options:
-    """What is checked, and against what.
-
-    Attributes:
-        select: codes (RD207) or beginnings of codes (RD2) of the rules to run, ALL, or DEFAULT, which is meant if it is
-            empty: errors, and what is likely a defect; ignore: of the rules not to run.
-        package_path: folders in which `package://` names are looked up first.
-        trust_xacro: whether xacro files may do whatever Python can.
-        expanded_to: the folder to which xacro files are expanded, and which their meshes are named from.
-        including: whether of a xacro file that others include those are checked in its place.
-        asked: what is asked beyond the files themselves."""
+    """What is checked, and against what. `select` and `ignore` are codes (RD207) or beginnings of codes (RD2) of rules
+    to run and not to run, ALL, or DEFAULT, which is meant if it is empty: errors, and what is likely a defect."""
 
     select: tuple[str, ...] = ()
     ignore: tuple[str, ...] = ()
     thresholds: Thresholds = Thresholds()
-    package_path: tuple[str, ...] = ()
+    package_path: tuple[str, ...] = ()  # folders in which `package://` names are looked up first
     xacro_args: tuple[tuple[str, str], ...] = ()
-    trust_xacro: bool = False
-    asked: Asked = NOTHING
-    expanded_to: str = ""
-    including: bool = False
+    trust_xacro: bool = False  # whether xacro files may do whatever Python can
+    asked: Asked = NOTHING  # beyond the files themselves
+    expanded_to: str = ""  # the folder to which xacro files are expanded, and which their meshes are named from
+    including: bool = False  # whether of a xacro file that others include those are checked in its place
 
     def __repr__(self) -> str:
         return call_of(self)
