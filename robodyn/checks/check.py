@@ -114,10 +114,8 @@ def check(
 def tasks_for(sources: Sequence[Source], given: Options = STANDARD, config: str | None = None) -> tuple[Task, ...]:
     """Return the files of the sources, each with its options: those of the call win over those of its project, or are
     added to them (see `Config.of`). The settings of the file `config` hold for all, by default those above each. Of a
-    folder that is named xacro files may read every file.
-
-    Raises:
-        InputError: nothing matches a source, there is no such rule, or settings are wrong."""
+    folder that is named xacro files may read every file. InputError where nothing matches a source, there is no such
+    rule, or settings are wrong."""
     rules_for(given.select, given.ignore)
     fixed = None if config is None else read_config(config)
     known: dict[str, Config | None] = {}

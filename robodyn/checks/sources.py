@@ -30,8 +30,7 @@ from robodyn.support.wording import count, listed_paths, shown
 
 RELATED = (".srdf", ".stl", ".obj", ".dae", ".ply", ".glb", ".gltf")  # suffixes of files that belong to descriptions
 R = TypeVar("R")
-_LEAST_WORK = 500_000  # bytes of XML in files that take longer to check than processes take to start: half a second
-_MESH = 5_000  # bytes of XML that take as long as a mesh of usual size, read anew
+_LEAST_WORK = 100_000  # bytes of XML that take longer to check, with meshes, than processes take to start
 _INCLUDE = re.compile(rb"""<(?:xacro:)?include\s[^<>]*?filename\s*=\s*["']([^"'<]+)["']""")
 _FIND = re.compile(r"\$\(find ([^)]*)\)")
 _MOST_SOURCE = 1 << 24
@@ -166,15 +165,9 @@ def _expanded(path: str, including: bool) -> list[str]:
 
 
 def worth_processes(files: Sequence[str | bytes]) -> bool:
-    """Whether there is more work, in XML and in the meshes that it names, than starting processes is."""
-    if len(files) < 2 or cores() < 2:
-        return False
-    work = 0
-    for file in (file for file in files if not isinstance(file, bytes)):
-        with suppress(OSError, ValueError, InputError):  # told when it is checked
-            data = read_input(file)
-            work += len(data) + _MESH * data.count(b"<mesh")
-    return work > _LEAST_WORK
+    """Whether there is more work, by the size of the files, than starting processes is."""
+    sizes = [os.path.getsize(file) for file in files if not isinstance(file, bytes) and os.path.isfile(file)]
+    return min(len(files), cores()) > 1 and sum(sizes) > _LEAST_WORK
 
 
 def each_in_a_process(work: Callable[..., R], calls: Sequence[tuple[Any, ...]]) -> Iterator[R | InputError]:

@@ -130,10 +130,7 @@ _PLAIN = ("-c", "safe.bareRepository=explicit", "-c", "core.fsmonitor=false")
 
 def model_at(context: Context, ref: str) -> Model | str:
     """Return the robot of a file at a git revision, of xacro with what it includes there, or of another file; or why
-    there is none.
-
-    Raises:
-        InputError: git is not there, the file is in no repository, or that has no such revision."""
+    there is none. InputError without git, a repository that the file is in, or such a revision."""
     from io import BytesIO
     from tarfile import open as open_archive
     from tempfile import TemporaryDirectory

@@ -151,10 +151,10 @@ def mimic_cycle(context: Context) -> Faults:
     joints = context.view.joint
     leaders = {name: joint.mimic.joint for name, joint in joints.items() if joint.mimic is not None}
     for cycle in cycles(leaders):
-        first = min((joints[name] for name in cycle), key=lambda joint: joint.element.start)
-        assert first.mimic is not None, "it follows a joint"
+        mimic = min((joints[name] for name in cycle), key=lambda joint: joint.element.start).mimic
         what = "it mimics itself" if len(cycle) == 1 else f"joints mimic each other in a cycle: {listed(cycle)}"
-        yield Fault(value_span(first.mimic.element, "joint"), what, "let one of them be free")
+        if mimic is not None:
+            yield Fault(value_span(mimic.element, "joint"), what, "let one of them be free")
 
 
 @rule("RD512", WARNING, good=longer_arm(inside=_FOLLOWER), bad=('"0.5"', '"1.5"'))
@@ -267,9 +267,8 @@ def idle_axis(context: Context) -> Faults:
             (a, p), (b, q) = lines[above], lines[group]
             if abs(product(a, b)) >= _PARALLEL and length(np.cross(a, q - p)) <= near:
                 for one, other in ((joint, above.joint), (above.joint, joint)):
-                    what = (
-                        f"it turns about the line of joint {shown(other.name)}, next to it: one of the two does nothing"
-                    )
+                    line = f"the line of joint {shown(other.name)}, next to it"
+                    what = f"it turns about {line}: one of the two does nothing"
                     at = one.element.span if one.axis.element is None else one.axis.span
                     yield Fault(at, what, "check the axes of both, and the rpy of the outer one")
         if shape is not None and not group.children and joint.axis.element is not None:

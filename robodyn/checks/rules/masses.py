@@ -130,17 +130,17 @@ def tiny_body(context: Context) -> Faults:
     for group in context.tree.groups:
         if group.joint is None or not group.mass or group.mass < 0:
             continue
-        radius = gyration(context, group)
-        inertial, numbers = group.heaviest[1], None
+        radius, (_, inertial) = gyration(context, group), group.heaviest
         if group.mass < limits.least_mass:
             numbers, quantity, value, bound, unit = inertial.mass, "mass", group.mass, limits.least_mass, "kg"
         elif radius is not None and POINT < radius < limits.least_gyration:
             quantity, value, bound, unit = "radius of gyration", radius, limits.least_gyration, "m"
             numbers = inertial.entries[0]
-        if numbers is not None:
-            what = f"what moves with it has a {quantity} of {value:.3g} {unit}, less than {bound:g} {unit}"
-            remedy = "check the unit (kg, m); write the inertia of the part, or fix the link to its neighbour"
-            yield Fault(numbers.span, what, remedy, value, bound)
+        else:
+            continue
+        what = f"what moves with it has a {quantity} of {value:.3g} {unit}, less than {bound:g} {unit}"
+        remedy = "check the unit (kg, m); write the inertia of the part, or fix the link to its neighbour"
+        yield Fault(numbers.span, what, remedy, value, bound)
 
 
 @rule("RD210", WARNING, TREE, good=longer_arm(), bad=('"1"', '"5000"'))
@@ -279,10 +279,8 @@ def zero_tensor(context: Context) -> Faults:
         what = f"a mass of {link.mass:g} kg has no moments of inertia: it would be a point"
         remedy = "write the inertia of the part; robodyn inertia computes it from its mesh"
         group = None if context.tree_or_none is None else context.tree.group[link.name]
-        severity = None if group is None or group.joint is not None else WARNING
-        if group is None or group.mass is None:
-            severity = NOTE if group is None else None
-        elif group.mass > 2 * link.mass and (gyration(context, group) or 0.0) > POINT:
+        severity = WARNING if group is not None and group.mass is not None and group.joint is None else None
+        if group is None or ((group.mass or 0.0) > 2 * link.mass and (gyration(context, group) or 0.0) > POINT):
             severity = NOTE
         yield Fault(link.inertial.entries[0].span, what, remedy, measured=0.0, severity=severity)
 
@@ -379,9 +377,8 @@ def placeholder_tensor(context: Context) -> Faults:
         if pattern is None and not paired and _pasted(context, link, twin):
             pattern = f"mass, centre and inertia are those of link '{twin.name}', which has other shapes"
         if pattern is None and twin.mass and unlike and not paired:
-            pattern = (
-                f"the same six numbers as link '{twin.name}', whose mass is {twin.mass:g} kg and not {link.mass:g}"
-            )
+            whose = f"whose mass is {twin.mass:g} kg and not {link.mass:g}"
+            pattern = f"the same six numbers as link '{twin.name}', {whose}"
         said, shape = given(link), context.once(shaped).get(link.name)
         own = said and shape and shape.solid.along(said.R).apart(said.tensor, said.mass) <= _NEAR
         if pattern is not None and not own:

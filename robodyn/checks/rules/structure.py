@@ -54,11 +54,9 @@ def several_parents(context: Context) -> Faults:
     A URDF is a tree. Of a closed chain one joint is left out, and made of what the simulator has for it."""
     above = _first_above(context.view)
     for joint in context.view.joints:
-        first = above.get(joint.child, joint)
-        if first is joint or (joint.name and joint.name == first.name):
+        first, element = above.get(joint.child, joint), joint.element.find("child")
+        if element is None or first is joint or (joint.name and joint.name == first.name):
             continue
-        element = joint.element.find("child")
-        assert element is not None, "the joint names a child"
         other = f"joint {shown(first.name)} (line {first.element.line})"
         what = f"its child, link {shown(joint.child)}, is the child of {other} too"
         yield Fault(value_span(element, "link"), what, "a link has one parent: remove one joint, or correct its child")
@@ -79,10 +77,8 @@ def cycle(context: Context) -> Faults:
         first = min((above[link] for link in cycle), key=lambda joint: joint.element.start)
         element = first.element.find("parent")
         assert element is not None, "the joint names a parent"
-        if len(cycle) == 1:
-            what = f"link {shown(cycle[0])} is its parent and its child"
-        else:
-            what = f"it is in a cycle of {len(cycle)} links, each the parent of the one before: {listed(cycle)}"
+        what = f"it is in a cycle of {len(cycle)} links, each the parent of the one before: {listed(cycle)}"
+        what = what if len(cycle) > 1 else f"link {shown(cycle[0])} is its parent and its child"
         yield Fault(value_span(element, "link"), what, "a URDF is a tree: correct a parent")
 
 
