@@ -48,10 +48,8 @@ def limits_along_motion(context: Context) -> Faults:
         name: str = excess.quantity
         if name == "position":
             name = "lower" if excess.value < excess.limit else "upper"
-        what = (
-            f"the motion of {context.asked.trajectory} reaches {excess.quantity} {excess.value:.4g} "
-            f"{excess.unit}, beyond the limit {excess.limit:g}"
-        )
+        what = f"the motion of {context.asked.trajectory} reaches {excess.quantity} {excess.value:.4g} "
+        what += f"{excess.unit}, beyond the limit {excess.limit:g}"
         remedy = "slow the motion down or raise the limit; robodyn torques says when"
         yield Fault(getattr(joint.limit, name).span, what, remedy, excess.value, excess.limit)
 

@@ -180,10 +180,8 @@ def _below_solid(body: Body, solid: Uniform) -> tuple[float, float, str] | None:
     if not 0 < measured < _LEAST * right:
         return None
     about = " ".join(f"{x + 0.0:.2g}" for x in np.round(axes[k], 3).tolist())
-    what = (
-        f"the moment {measured:.3g} kg m^2 about the axis ({about}) is {measured / right:.2g} of that of a solid of "
-        f"its shapes and mass, {right:.3g}"
-    )
+    what = f"the moment {measured:.3g} kg m^2 about the axis ({about}) is {measured / right:.2g} of that of a solid of "
+    what += f"its shapes and mass, {right:.3g}"
     return measured, _LEAST * right, what
 
 
@@ -235,9 +233,7 @@ def density_out_of_band(context: Context) -> Faults:
             continue
         dense = density > limits.most_density
         _, inertial = group.heaviest
-        what = (
-            f"what moves with it weighs {group.mass:.4g} kg, which is {figure(density)} kg/m^3 of the box around "
-            f"its shapes, {'denser than solid steel' if dense else 'lighter than foam'}"
-        )
+        what = f"what moves with it weighs {group.mass:.4g} kg, which is {figure(density)} kg/m^3 of the box around "
+        what += f"its shapes, {'denser than solid steel' if dense else 'lighter than foam'}"
         remedy = "check the unit of the mass (kg) and the size of the shapes"
         yield Fault(inertial.mass.span, what, remedy, density, limits.most_density if dense else limits.least_density)

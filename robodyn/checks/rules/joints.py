@@ -175,10 +175,8 @@ def follower_range(context: Context) -> Faults:
         least, most = sorted(multiplier[0] * end + offset[0] for end in leader)
         beyond = max(own[0] - least, most - own[1])
         if beyond > context.thresholds.mimic_range:
-            what = (
-                f"following joint '{mimic.joint}' through its range, it goes from {least:.6g} to {most:.6g}, "
-                f"beyond its own limits {own[0]:.6g} and {own[1]:.6g} by {beyond:.3g}"
-            )
+            what = f"following joint '{mimic.joint}' through its range, it goes from {least:.6g} to {most:.6g}, "
+            what += f"beyond its own limits {own[0]:.6g} and {own[1]:.6g} by {beyond:.3g}"
             remedy = "correct multiplier or offset, or the limits of one of the two"
             yield Fault(mimic.multiplier.span, what, remedy, beyond, context.thresholds.mimic_range)
 
@@ -222,10 +220,8 @@ def turning_slide(context: Context) -> Faults:
             continue
         size = ends[1] - ends[0]
         if 0 < size <= _RANGE and min(map(abs, ends)) <= _FROM_ZERO * size:
-            what = (
-                f"it is revolute, but goes from {ends[0]:g} to {ends[1]:g} at {speed:g} as a slide does in metres; in "
-                f"radians that is {degrees(size):.3g} degrees at {degrees(speed):.3g} a second"
-            )
+            what = f"it is revolute, but goes from {ends[0]:g} to {ends[1]:g} at {speed:g} as a slide does in metres; "
+            what += f"in radians that is {degrees(size):.3g} degrees at {degrees(speed):.3g} a second"
             yield Fault(value_span(joint.element, "type"), what, 'write type="prismatic" if it slides', size, _RANGE)
 
 

@@ -317,10 +317,8 @@ def static_torque(context: Context) -> Faults:
                 values.append(f"{other.name} = {text}")
         more = f" and {len(values) - _MOST_JOINTS} more" if len(values) > _MOST_JOINTS else ""
         pose = ", ".join(values[:_MOST_JOINTS]) + more if values else "q = 0"
-        what = (
-            f"the robot's own weight asks for {abs(torque):.4g} {unit} at rest, more than the effort limit "
-            f"{joint.effort:g}, at {pose}"
-        )
+        what = f"the robot's own weight asks for {abs(torque):.4g} {unit} at rest, more than the effort limit "
+        what += f"{joint.effort:g}, at {pose}"
         remedy = "raise the limit, lower masses or levers, or narrow the ranges; a counterbalance deserves a waiver"
         severity = None if abs(torque) >= _MUCH * joint.effort else NOTE
         yield Fault(limit.effort.span, what, remedy, abs(torque), joint.effort, severity=severity, kind=_KIND)
@@ -351,10 +349,8 @@ def absurd_effort(context: Context) -> Faults:
         if not FACTOR * most < joint.effort <= context.thresholds.most_effort or not most > 0.0:
             continue
         unit = "N" if joint.kind == "prismatic" else "N m"
-        what = (
-            f"the effort limit {joint.effort:g} {unit} is {figure(joint.effort / most, 2)} times what the weight "
-            f"of the whole robot asks for at the reach of this joint, {most:.3g} {unit}"
-        )
+        what = f"the effort limit {joint.effort:g} {unit} is {figure(joint.effort / most, 2)} times what the weight "
+        what += f"of the whole robot asks for at the reach of this joint, {most:.3g} {unit}"
         yield Fault(limit.effort.span, what, "write what the actuator can give", joint.effort, FACTOR * most)
 
 
@@ -394,13 +390,9 @@ def stiff_damping(context: Context) -> Faults:
             continue
         view = context.view.joint[joint.name]
         unit = "kg" if joint.kind == "prismatic" else "kg m^2"
-        what = (
-            f"damping {joint.damping:g} on a reflected inertia of {inertia:.3g} {unit}: explicit integration "
-            f"diverges with steps above {step:.2g} s"
-        )
-        remedy = (
-            "add the rotor's inertia (rotorInertia and mechanicalReduction of its transmission), lower the "
-            "damping, or integrate implicitly"
-        )
+        what = f"damping {joint.damping:g} on a reflected inertia of {inertia:.3g} {unit}: explicit integration "
+        what += f"diverges with steps above {step:.2g} s"
+        remedy = "add the rotor's inertia (rotorInertia and mechanicalReduction of its transmission), lower the "
+        remedy += "damping, or integrate implicitly"
         at = view.element.span if view.damping.element is None else view.damping.span
         yield Fault(at, what, remedy, step, STEP)

@@ -254,10 +254,8 @@ def unweighed_part(context: Context) -> Faults:
         longest = max((boxes.get(link.name, 0.0) for link in group.links), default=0.0)
         for link in group.links if group.joint is not None and group.mass else ():
             if link.inertial is None and boxes.get(link.name, 0.0) >= _LONG * longest > 0:
-                what = (
-                    f"it has shapes and no <inertial>, and {weighed} of {others} other links with shapes have one: "
-                    f"what moves with it weighs {group.mass:.4g} kg without it"
-                )
+                what = f"it has shapes and no <inertial>, and {weighed} of {others} other links with shapes have one: "
+                what += f"what moves with it weighs {group.mass:.4g} kg without it"
                 yield Fault(link.name_span, what, "write its <inertial>", measured=0.0)
 
 
@@ -314,10 +312,8 @@ def not_positive_definite(context: Context) -> Faults:
         if broken_law(tensor, context.thresholds) != "RD206":
             continue
         small, middle, large = principal_moments(tensor)
-        what = (
-            "the inertia matrix is not positive definite: its principal moments are "
-            f"{small:.6g}, {middle:.6g}, {large:.6g} kg m^2"
-        )
+        what = "the inertia matrix is not positive definite: its principal moments are "
+        what += f"{small:.6g}, {middle:.6g}, {large:.6g} kg m^2"
         remedy = "every principal moment of a body is positive; write its inertia about the centre of mass"
         bound = context.thresholds.positive_definite * large
         fault = Fault(inertial.entries[widest(tensor)].span, what, remedy, small, bound)
@@ -339,10 +335,8 @@ def triangle_inequality(context: Context) -> Faults:
         small, middle, large = principal_moments(tensor)
         largest = max((0, 3, 5), key=lambda k: tensor[k])
         lack = figure(100 - 100 * (small + middle) / large, 2)
-        what = (
-            f"no body has the principal moments {small:.6g}, {middle:.6g}, {large:.6g} kg m^2: the two smaller "
-            f"add up to {small + middle:.6g}, {lack} % less than the largest"
-        )
+        what = f"no body has the principal moments {small:.6g}, {middle:.6g}, {large:.6g} kg m^2: the two smaller "
+        what += f"add up to {small + middle:.6g}, {lack} % less than the largest"
         remedy = "the largest may not exceed the sum of the others; robodyn inertia computes them from a mesh"
         fault = Fault(inertial.entries[largest].span, what, remedy, large, small + middle)
         yield explained(context, fault, link)

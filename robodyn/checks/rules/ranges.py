@@ -174,10 +174,8 @@ def continuous_with_range(context: Context) -> Faults:
             continue
         lower, upper = limit.range
         if 0 < upper - lower < _ALMOST_A_TURN:
-            what = (
-                f"it is continuous, and so turns freely, but has a range from {lower:g} to {upper:g} rad, "
-                "which is less than a turn and ignored"
-            )
+            what = f"it is continuous, and so turns freely, but has a range from {lower:g} to {upper:g} rad, "
+            what += "which is less than a turn and ignored"
             remedy = 'write type="revolute" if the part has stops; otherwise remove lower and upper'
             at = limit.lower if limit.lower.given else limit.upper
             yield Fault(at.span, what, remedy, upper - lower, 2 * pi)

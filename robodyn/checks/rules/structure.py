@@ -339,9 +339,7 @@ def drawn_in_millimetres(context: Context) -> Faults:
     if unit is None:
         return
     (times, density), large = unit, unit[0] > 1
-    what = (
-        f"its links weigh {density:.3g} kg/m^3 of the boxes around their shapes (median): lengths are "
-        f"{'in millimetres' if large else 'a thousandth of metres'}, which makes {density * times**3:.3g}"
-    )
+    what = f"its links weigh {density:.3g} kg/m^3 of the boxes around their shapes (median): lengths are "
+    what += f"{'in millimetres' if large else 'a thousandth of metres'}, which makes {density * times**3:.3g}"
     remedy = f"{'divide' if large else 'multiply'} all lengths by 1000, those of meshes by their scale"
     yield Fault(value_span(context.view.root, "name"), what, remedy, times, 1.0, subject=None)
