@@ -51,17 +51,19 @@ def rest_poses(context: Context) -> Mapping[str, Pose]:
 
 
 def joint_pose(joint: JointView) -> Pose | None:
-    """The pose of the child in the parent's frame at rest, at 0 or the limit next to it; None where it cannot be
-    read."""
-    fixed, axis = pose(joint.origin), joint.axis.or_default(1.0, 0.0, 0.0)
-    ends = joint.limit.range if joint.limit is not None and joint.type in WITH_RANGE else None
-    q = min(max(0.0, ends[0]), ends[1]) if ends is not None and ends[0] <= ends[1] else 0.0
+    """The pose of the child in the parent's frame at rest; None where it cannot be read."""
+    fixed, axis, q = pose(joint.origin), joint.axis.or_default(1.0, 0.0, 0.0), rest(joint)
     if fixed is None or axis is None or not q or not any(axis):
         return fixed
     unit = np.array(axis) / length(np.array(axis))
     if joint.type == "prismatic":
         return Pose(fixed.R, fixed.p + product(fixed.R, unit) * q)
     return Pose(product(fixed.R, rotation_about(unit, q).astype(float)), fixed.p)
+
+
+def rest(joint: JointView) -> float:
+    ends = joint.limit.range if joint.limit is not None and joint.type in WITH_RANGE else None
+    return min(max(0.0, ends[0]), ends[1]) if ends is not None and ends[0] <= ends[1] else 0.0
 
 
 class Contact(NamedTuple):

@@ -215,7 +215,7 @@ def test_depth(first, second, expected):
 def found(text, folder):
     file = folder / "arm.urdf"
     file.write_text(text, encoding="utf-8")
-    return [(one.first.name, one.second.name) for one in overlaps(Context(read_document(file)))]
+    return [(first.name, second.name) for _, first, second, _ in overlaps(Context(read_document(file)))]
 
 
 def test_neighbours_and_pairs_disabled_in_the_srdf_are_left_out(tmp_path):
@@ -248,7 +248,7 @@ def test_depths_are_those_of_mujoco(robot):
     for contact in data.contact:
         names = frozenset(model.body(model.geom_bodyid[geom]).name for geom in contact.geom)
         deepest[names] = max(deepest.get(names, 0.0), -contact.dist)
-    ours = {frozenset((one.first.name, one.second.name)): one.depth for one in overlaps(context)}
+    ours = {frozenset((first.name, second.name)): deep for deep, first, second, _ in overlaps(context)}
     assert ours
     assert ours == pytest.approx({pair: deepest[pair] for pair in ours}, rel=0, abs=2.5e-3)
 
@@ -283,8 +283,8 @@ def test_pairs_of_links_are_compared_a_bounded_number_of_times(monkeypatch):
         return original(*given)
 
     monkeypatch.setattr(contacts, "depth", deep)
-    (found,) = contacts.overlaps(context(shapes("collision"), shapes("visual"), shapes("collision")))
-    assert (found.first.name, found.second.name) == ("a", "c")
+    ((_, first, second, _),) = contacts.overlaps(context(shapes("collision"), shapes("visual"), shapes("collision")))
+    assert (first.name, second.name) == ("a", "c")
     assert calls["depth"] <= contacts._MOST_PAIRS < MANY**2
 
 
