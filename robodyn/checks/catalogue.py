@@ -24,21 +24,6 @@ BY_CODE = {rule.code: rule for rule in RULES}
 Codes = tuple[str, ...]
 
 
-def found_by(text: str, rules: Sequence[Rule]) -> tuple[Rule, ...]:
-    """Return the rule of this code or name, or those whose codes begin so, or in whose documentation it stands: in name
-    or summary before those that have it in their explanation."""
-    exact = tuple(rule for rule in rules if text.upper() == rule.code or text.lower() == rule.name)
-    if exact or not text.strip():
-        return exact
-    begun = tuple(rule for rule in rules if rule.code.startswith(text.upper()))
-    if begun:
-        return begun
-    word = text.casefold()
-    titled = [rule for rule in rules if word in f"{rule.name} {rule.summary}".casefold()]
-    explained = [rule for rule in rules if rule not in titled and word in " ".join(rule.explanation.split()).casefold()]
-    return (*titled, *explained)
-
-
 def instead_of(given: str, rules: Sequence[Rule]) -> str:
     """What may stand in place of a code that no rule has and none begins with."""
     codes = [rule.code for rule in rules]

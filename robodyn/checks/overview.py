@@ -73,12 +73,9 @@ def overview(
     """Return what a URDF or xacro file holds, with the findings of `robodyn check` by the settings of its project.
 
     Args:
-        source: path of the file, or its bytes.
+        source: path of the file, or its bytes; DescriptionError where it cannot be read, or is no robot.
         package_paths: folders in which `package://` names are looked up first.
         xacro_args, trust_xacro: values of the arguments of a xacro file; let it run any Python and read any file.
-
-    Raises:
-        DescriptionError: the file cannot be read, or is no robot; with the line.
 
     Accuracy: the mass is correctly rounded; the centre of mass within 1e-14 of the robot's size for twenty joints in a
         row."""

@@ -205,11 +205,9 @@ def rule(
 ) -> Callable[[Callable[[Context], Faults]], Rule]:
     """Make the decorated function a rule of its name: `mass_not_positive` is mass-not-positive.
 
-    Its docstring is the summary, one sentence, and after a blank line the explanation, unless this is given.
-
-    Args:
-        good, bad: descriptions; a pair is a piece of the good one and what stands in its place in the bad one.
-        default: ERROR for a rule whose warnings are a matter of taste or of one program, NOTE where remarks matter."""
+    Its docstring is the summary, one sentence, and after a blank line the explanation, unless this is given. `good` and
+    `bad` are descriptions; a pair is a piece of the good one and what stands in its place in the bad one. `default` is
+    ERROR for a rule whose warnings are a matter of taste or of one program, NOTE where remarks matter."""
     wrong = bad if isinstance(bad, str) else good.replace(*bad)
 
     def decorate(check: Callable[[Context], Faults]) -> Rule:

@@ -8,12 +8,12 @@ from __future__ import annotations
 import glob
 import os
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import closing, suppress
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from fnmatch import fnmatchcase
 from pathlib import Path
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any
 from warnings import warn
 
 from robodyn.checks.catalogue import rules_for
@@ -25,11 +25,10 @@ from robodyn.robot.urdf.xacro import no_robot, only_defines
 from robodyn.scene.scene import Rule
 from robodyn.scene.toml_table import TomlTable, read_toml
 from robodyn.support.input_file import read_input
-from robodyn.support.threads import cores, processes
+from robodyn.support.threads import cores
 from robodyn.support.wording import count, listed_paths, shown
 
 RELATED = (".srdf", ".stl", ".obj", ".dae", ".ply", ".glb", ".gltf")  # suffixes of files that belong to descriptions
-R = TypeVar("R")
 _LEAST_WORK = 100_000  # bytes of XML that take longer to check, with meshes, than processes take to start
 _INCLUDE = re.compile(rb"""<(?:xacro:)?include\s[^<>]*?filename\s*=\s*["']([^"'<]+)["']""")
 _FIND = re.compile(r"\$\(find ([^)]*)\)")
@@ -168,19 +167,6 @@ def worth_processes(files: Sequence[str | bytes]) -> bool:
     """Whether there is more work, by the size of the files, than starting processes is."""
     sizes = [os.path.getsize(file) for file in files if not isinstance(file, bytes) and os.path.isfile(file)]
     return min(len(files), cores()) > 1 and sum(sizes) > _LEAST_WORK
-
-
-def each_in_a_process(work: Callable[..., R], calls: Sequence[tuple[Any, ...]]) -> Iterator[R | InputError]:
-    """Yield `work(*call)` of every call, in their order, on all cores; an error of a call that processes died of."""
-    from robodyn.support.processes import Death, in_processes
-
-    found: dict[int, R | InputError] = {}
-    with closing(in_processes(work, calls, processes(len(calls)))) as done:
-        for number in range(len(calls)):
-            while number not in found:
-                other, outcome = next(done)
-                found[other] = InputError(str(outcome)) if isinstance(outcome, Death) else outcome
-            yield found.pop(number)
 
 
 @dataclass(frozen=True)

@@ -67,12 +67,11 @@ def rest(joint: JointView) -> float:
 
 
 class Contact(NamedTuple):
-    """The links next to each other on both sides of a joint: the least gap between the boxes around their shapes, the
-    size of the larger of the two [m], and that on the parent's side."""
+    """Of the links next to each other on both sides of a joint."""
 
-    gap: float
-    size: float
-    above: str
+    gap: float  # the least between the boxes around their shapes [m]
+    size: float  # of the larger of the two [m]
+    above: str  # the link on the parent's side
 
     @property
     def touches(self) -> bool:

@@ -66,10 +66,9 @@ def _beyond_reach(body: Body, S: Floats) -> Fault | None:
     if spread <= group and spread <= FAR * own:
         return None
     bound, which = (group, "its rigid group") if spread > group else (own, "the link")
-    what = (
-        f"its inertia is that of mass {spread**0.5:.3g} m from its centre (root mean square), but the shapes of {which}"
-        f" reach {bound**0.5:.3g} m from there: {figure(spread / bound)} times the second moment that is possible"
-    )
+    what = f"its inertia is that of mass {spread**0.5:.3g} m from its centre (root mean square), but the shapes of "
+    many = figure(spread / bound)
+    what += f"{which} reach {bound**0.5:.3g} m from there: {many} times the second moment that is possible"
     return _fault(body, ERROR if spread > FAR * group else WARNING, what, spread, bound)
 
 

@@ -51,16 +51,13 @@ class Sweep:
         """Give each joint in turn, from the base to the tips, its best position; return (rows,) torque / g before,
         times the sign that the row is to have; 0 before the first."""
         x = self._inward()
-        before: Floats = self._sign * self._torques(x)
+        before: Floats = self._sign * self.torques(x)
         self._outward(x)
         return before
 
-    def torques(self) -> Floats:
+    def torques(self, x: Mapping[int, Floats] | None = None) -> Floats:
         """(rows,) torque / g at q."""
-        return self._torques(self._inward())
-
-    def _torques(self, x: Mapping[int, Floats]) -> Floats:
-        torques = np.zeros(self.q.shape[1])
+        x, torques = self._inward() if x is None else x, np.zeros(self.q.shape[1])
         for t, up in self._up.items():
             torques[self._rows[t]] = (up * x[t][:, 1, self._rows[t]]).sum(axis=0)
         return torques

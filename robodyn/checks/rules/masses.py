@@ -86,9 +86,8 @@ def massless_group(context: Context) -> Faults:
         what += f"; MuJoCo {does}, Gazebo drops it" + " and what it carries" * onward
         remedy = "add an <inertial>" if onward else "add an <inertial>, or make the joint fixed"
         severity = WARNING if onward else ERROR
-        yield Fault(
-            group.links[0].name_span, what, remedy, measured=0.0, severity=severity, kind="a joint moves no mass"
-        )
+        at, kind = group.links[0].name_span, "a joint moves no mass"
+        yield Fault(at, what, remedy, measured=0.0, severity=severity, kind=kind)
 
 
 @rule("RD203", ERROR, good=one_link(), bad=(INERTIA, ""), explains=("RD901",))

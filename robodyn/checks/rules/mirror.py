@@ -123,10 +123,9 @@ def mirror_image(context: Context) -> Faults:
             origin = one.inertial.origin
             copied = "one is a copy of the other that is not reflected" if one.centre_is_copied else None
             what = (
-                f"the centre of mass is at {place(one.c_right.tolist())} m, "
-                f"{'that' if one.pair.is_alike else _IMAGE} of {one.other} at {place(one.c.tolist())}, "
-                f"{one.shift:.3g} m away"
+                f"the centre of mass is at {place(one.c_right.tolist())} m, {'that' if one.pair.is_alike else _IMAGE} "
             )
+            what += f"of {one.other} at {place(one.c.tolist())}, {one.shift:.3g} m away"
             at = one.inertial.element.span if origin.element is None else origin.xyz.span
             yield Fault(at, what, _REFLECT, one.shift, one.most_shift, cause=copied)
         wrong = one.wrong_signs
