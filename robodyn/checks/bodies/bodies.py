@@ -248,10 +248,8 @@ def repeated(context: Context) -> Mapping[str, JointView]:
         part, again = known.get(joint.parent), known.get(joint.child)
         if joint.type != "fixed" or part is None or again is None or abs(part.mass - again.mass) > _MASS * part.mass:
             continue
-        one, its = (
-            {tuple(sorted(shape.shape.values.items())) for shape in body.link.geometries if shape.shape is not None}
-            for body in (part, again)
-        )
+        each = ([shape.shape for shape in real_shapes(body.link)] for body in (part, again))
+        one, its = ({tuple(sorted(shape.values.items())) for shape in shapes if shape} for shapes in each)
         one_centre = length(part.in_group[0] - again.in_group[0]) <= _NEAR and not _stand_in(again)
         same = part.link.tensor == again.link.tensor and bool((part.c == again.c).all())
         if share(context, again) is not None and its <= one and not _stand_in(part) and (one_centre or same):

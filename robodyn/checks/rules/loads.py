@@ -203,8 +203,7 @@ def position_ranges(model: Model) -> tuple[Floats, Floats]:
 
 def starts(low: Floats, high: Floats) -> Floats:
     """(STARTS, n) the middle, and points spread evenly by multiples of irrational numbers."""
-    n = len(low)
-    spread = np.outer(np.arange(STARTS), np.sqrt(np.arange(2, n + 2))) % 1.0
+    spread = np.outer(np.arange(STARTS), np.sqrt(np.arange(2, len(low) + 2))) % 1.0
     spread[0] = 0.5
     return np.asarray(low + spread * (high - low))
 

@@ -84,10 +84,8 @@ def mirror_moments(context: Context) -> Faults:
     for one in context.once(twins):
         apart = one.apart(*one.moments)
         if apart > MOMENTS and _unexplained(context, one):
-            left, right = (
-                ", ".join(f"{moment:.4g}" for moment in (mass * moments).tolist())
-                for mass, moments in zip(one.masses, one.moments, strict=True)
-            )
+            each = (mass * moments for mass, moments in zip(one.masses, one.moments, strict=True))
+            left, right = (", ".join(f"{moment:.4g}" for moment in moments.tolist()) for moments in each)
             what = f"the principal moments are {right} kg m^2, those of its mirror twin {one.other} {left}, "
             what += f"up to {figure(100 * apart, 2)} % apart"
             yield Fault(one.inertial.entries[0].span, what, _ONE_OF_TWO.format("parts"), apart, MOMENTS)
@@ -122,10 +120,9 @@ def mirror_image(context: Context) -> Faults:
         if one.shift > one.most_shift and not reported:
             origin = one.inertial.origin
             copied = "one is a copy of the other that is not reflected" if one.centre_is_copied else None
-            what = (
-                f"the centre of mass is at {place(one.c_right.tolist())} m, {'that' if one.pair.is_alike else _IMAGE} "
-            )
-            what += f"of {one.other} at {place(one.c.tolist())}, {one.shift:.3g} m away"
+            what = f"the centre of mass is at {place(one.c_right.tolist())} m, "
+            what += f"{'that' if one.pair.is_alike else _IMAGE} of {one.other} at {place(one.c.tolist())}, "
+            what += f"{one.shift:.3g} m away"
             at = one.inertial.element.span if origin.element is None else origin.xyz.span
             yield Fault(at, what, _REFLECT, one.shift, one.most_shift, cause=copied)
         wrong = one.wrong_signs

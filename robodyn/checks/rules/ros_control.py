@@ -62,13 +62,10 @@ def names_nothing(context: Context) -> Faults:
     if not found.is_namesake and missing[1:]:
         missing, more = missing[:1], f", and {len(missing) - 1} more names that are not in the robot"
     for used in missing:  # one warning of an SRDF of another name, which may be of a variant of the robot
-        names = view.link if used.kind == "link" else view.joint
-        at, subject = (
-            value_span(used.element, used.attribute),
-            Subject(used.element.tag, used.element.get("name") or ""),
-        )
+        names, tag = view.link if used.kind == "link" else view.joint, used.element.tag
         what = f"there is no {used.kind} {shown(used.name)} in the robot {shown(view.root.get('name') or '')}{more}"
-        severity = None if found.is_namesake and used.element.tag not in _PAIRS_ONLY else WARNING
+        at, subject = value_span(used.element, used.attribute), Subject(tag, used.element.get("name") or "")
+        severity = None if found.is_namesake and tag not in _PAIRS_ONLY else WARNING
         remedy = alternatives(used.name, names, f"{used.kind}s")
         yield Fault(at, what, remedy, subject=subject, severity=severity, document=found.document)
 
