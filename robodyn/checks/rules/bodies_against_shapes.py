@@ -153,7 +153,8 @@ def inertia_below_shell(context: Context) -> Faults:
     the moment of inertia is at least a twentieth of that of the solid with the link's mass. Less means that nearly all
     mass is in one spot or, where it is one axis only, on a line. Where a shape encloses no definite volume, the largest
     principal moment is at least a tenth of that of the largest shell that fits into the box around the shapes, 2/3 m
-    r^2; without shapes that of a ball of tungsten. A point is RD204's, a mass beyond any solid RD304's."""
+    r^2; without shapes at least that of a ball of tungsten, where a hundredth of it or less is RD209's and RD210's. A
+    point is RD204's, a mass beyond any solid RD304's."""
     known = context.once(shaped)
     for body in judged(context):
         tensor, shape = body.link.tensor, known.get(body.link.name)

@@ -221,8 +221,8 @@ def unit_slip(context: Context) -> Faults:
     and all their products for kg m^2, in one of the three quantities or in several. The link is weighed by the uniform
     solid that its own shapes are: by density, centre, size and form. A unit is named where it is nine times as probable
     as everything else together, any factor that belongs to no unit included; or else the candidates are listed in a
-    warning. Multiples of the identity and round numbers are made up, not in other units. RD301 to RD304 are silent
-    then."""
+    warning. Tensors near a multiple of the identity and round numbers are made up, not in other units. RD301 to RD304
+    are silent about such a link."""
     for name, verdict in context.once(weighed).items():
         if not verdict.units:
             continue

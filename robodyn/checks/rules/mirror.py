@@ -175,8 +175,10 @@ def mirror_joint(context: Context) -> Faults:
     Where the axis of a joint is the image of its twin's, equal positions of twins are mirror images and so are equal
     limits; where it is the image reversed, lower and upper change places and signs; on a part that is mounted on both
     sides either is right. Copying limits from left to right where the axes ask for a change of sign is a common slip: a
-    knee then bends the wrong way. So is a joint that was fixed for a test, while its twin still moves. Twins are found
-    as RD401 says. Ranges that RD503, RD504 or RD507 report are not compared."""
+    knee then bends the wrong way. So is a joint that was fixed for a test, while its twin still moves. Limits may
+    differ by 0.02 rad or m, or by 2 % of the range where that is more, effort and velocity by 2 %. Of two joints whose
+    numbers differ both are named. Twins are found as RD401 says. Ranges that RD503, RD504 or RD507 report are not
+    compared."""
     found = context.once(symmetry)
     for pair in both_ways(context):
         assert found is not None, "it has pairs"
@@ -239,9 +241,11 @@ def mirror_origin(context: Context) -> Faults:
     A wrong sign in the origin of one leg's joint moves the rest of the leg to the wrong side of it, and nothing else
     tells. Joints are twins if the names of the links that they carry are each other's but for left and right; the
     mirror plane is the robot's own, as RD401 finds it. Reported are joints whose parent is one link in that plane or on
-    two links that are twins. Passed over are fixed ones that carry no mass, such as sensors; what is mounted alike on a
-    part that is itself mounted on both sides, as fingers on a gripper; and askew frames that no sign in rpy
-    explains."""
+    two links that are twins, and whose origin is 0.2 % of the robot's size or more from the image of the other's, or
+    whose rpy has a wrong sign; and those that are turned, where centre, shapes and joints of what they carry are the
+    image once they are turned back. Passed over are fixed ones that carry no mass, such as sensors; what is mounted
+    alike on a part that is itself mounted on both sides, as fingers on a gripper; and frames that lie askew in other
+    ways."""
     found, heavy = context.once(symmetry), set[str]()
     if found is None:
         return

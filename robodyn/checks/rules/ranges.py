@@ -37,7 +37,8 @@ def no_range(context: Context) -> Faults:
     """The limits of a joint leave it a range, and end somewhere.
 
     A revolute or prismatic joint needs lower and upper; an absent one is 0, and with both absent the joint is frozen. A
-    stand-in such as 1e16 passes for a range. What turns freely, as a wheel, is `continuous` and has neither."""
+    stand-in such as 1e16, beyond the threshold `most-range` of 1e4, passes for a range. What turns freely, as a wheel
+    or a propeller, is `continuous` and has neither."""
     for joint in context.view.joints:
         limit = joint.limit
         if limit is None or limit.range is None or joint.type not in WITH_RANGE:
