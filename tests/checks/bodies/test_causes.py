@@ -17,7 +17,7 @@ from robodyn.checks.bodies.contacts import Hull, depth, overlaps, rest
 from robodyn.checks.catalogue import BY_CODE
 from robodyn.checks.check import Options, check_one, found_in
 from robodyn.checks.context import Context
-from robodyn.checks.examples import ORIGIN, a_shaped_link, two_arms
+from robodyn.checks.examples import ORIGIN, a_shaped_link, inertia, two_arms
 from robodyn.checks.fixes import Fixed, fixed
 from robodyn.checks.rules.inertia_mistakes import Cause, causes
 from robodyn.programs.vectors import rotation_from_rpy
@@ -38,16 +38,12 @@ STEINER = parallel_axis(np.zeros((3, 3)), MASS, C)
 def tensors(count: int = 3) -> list[np.ndarray]:
     """Tensors of bodies with unequal second moments along skew axes."""
     rng = np.random.default_rng(3)
-    out = []
-    for _ in range(count):
-        Q, _ = np.linalg.qr(rng.normal(size=(3, 3)))
-        out.append(inertia_matrix(Q @ np.diag(rng.uniform((0.004, 0.012, 0.03), (0.006, 0.016, 0.04))) @ Q.T))
-    return out
+    axes = (np.linalg.qr(rng.normal(size=(3, 3)))[0] for _ in range(count))
+    return [inertia_matrix(Q * rng.uniform((0.004, 0.012, 0.03), (0.006, 0.016, 0.04)) @ Q.T) for Q in axes]
 
 
 def entries(I: np.ndarray) -> str:
-    names = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-    return "<inertia " + " ".join(f'{n}="{x!r}"' for n, x in zip(names, I[UPPER].tolist(), strict=True)) + "/>"
+    return inertia(" ".join(map(repr, I[UPPER].tolist())))
 
 
 def cause_of(left: np.ndarray, right: np.ndarray, rpy: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Cause | None:
@@ -64,16 +60,11 @@ def signs(I: np.ndarray) -> np.ndarray:
 
 def reordered(I: np.ndarray) -> np.ndarray:
     """ixy, ixz and iyz under each other's names."""
-    wrong = np.diag(np.diagonal(I))
-    for (i, j), value in zip(((0, 1), (0, 2), (1, 2)), (I[1, 2], I[0, 1], I[0, 2]), strict=True):
-        wrong[i, j] = wrong[j, i] = value
-    return wrong
+    return symmetric((I[0, 0], I[1, 2], I[0, 1], I[1, 1], I[0, 2], I[2, 2]))
 
 
 def decade(I: np.ndarray) -> np.ndarray:
-    wrong = I.copy()
-    wrong[2, 2] *= 10.0
-    return wrong
+    return I + np.diag((0.0, 0.0, 9.0 * I[2, 2]))
 
 
 def permuted(I: np.ndarray) -> np.ndarray:
