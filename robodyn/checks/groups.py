@@ -76,7 +76,7 @@ def _joined(findings: Iterable[Finding], key: Callable[[Finding], object]) -> It
 def file_by_file(findings: Iterable[Finding]) -> Iterator[Finding]:
     """Yield the findings for programs that want those of each file by themselves."""
     for finding in findings:
-        yield from _joined(finding.places, lambda place: place.checked)
+        yield from _joined((replace(place, others=()) for place in finding.places), lambda place: place.checked)
 
 
 def across_robots(findings: Iterable[Finding]) -> list[Finding]:
