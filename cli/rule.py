@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import click
 
-from robodyn.checks.catalogue import RULES, found_by, instead_of
+from robodyn.checks.catalogue import RULES, instead_of
+from robodyn.checks.rule import Rule
 from robodyn.cli.options import option
 from robodyn.cli.screen import page, show
 from robodyn.errors import InputError
@@ -36,3 +39,18 @@ def command(asked: tuple[str, ...], everything: bool) -> None:
         for rule in dict.fromkeys(chosen):
             off = "" if rule.in_default else " (off unless selected)"
             show(f"{rule.code} {rule.severity.value:7} {rule.summary}{off}\n")
+
+
+def found_by(text: str, rules: Sequence[Rule]) -> tuple[Rule, ...]:
+    """Return the rule of this code or name, or those whose codes begin so, or in whose documentation it stands: in name
+    or summary before those that have it in their explanation."""
+    exact = tuple(rule for rule in rules if text.upper() == rule.code or text.lower() == rule.name)
+    if exact or not text.strip():
+        return exact
+    begun = tuple(rule for rule in rules if rule.code.startswith(text.upper()))
+    if begun:
+        return begun
+    word = text.casefold()
+    titled = [rule for rule in rules if word in f"{rule.name} {rule.summary}".casefold()]
+    explained = [rule for rule in rules if rule not in titled and word in " ".join(rule.explanation.split()).casefold()]
+    return (*titled, *explained)

@@ -16,29 +16,12 @@ _FAMILIES = [import_module(name) for _, name, _ in iter_modules(rules.__path__, 
 _FOUND = [one for family in _FAMILIES for one in vars(family).values() if isinstance(one, Rule)]
 RULES: tuple[Rule, ...] = tuple(sorted(_FOUND, key=lambda rule: rule.code))
 CODES = tuple(rule.code for rule in RULES)
-
 _LEAST = 3  # characters of a code that say of which kind a rule is: RD2
 ALL, DEFAULT = "ALL", "DEFAULT"
 WORDS = (ALL, DEFAULT)
 """What may be selected beside codes: every finding of every rule; those that are errors or likely defects."""
 BY_CODE = {rule.code: rule for rule in RULES}
-
 Codes = tuple[str, ...]
-
-
-def found_by(text: str, rules: Sequence[Rule]) -> tuple[Rule, ...]:
-    """Return the rule of this code or name, or those whose codes begin so, or in whose documentation it stands: in name
-    or summary before those that have it in their explanation."""
-    exact = tuple(rule for rule in rules if text.upper() == rule.code or text.lower() == rule.name)
-    if exact or not text.strip():
-        return exact
-    begun = tuple(rule for rule in rules if rule.code.startswith(text.upper()))
-    if begun:
-        return begun
-    word = text.casefold()
-    titled = [rule for rule in rules if word in f"{rule.name} {rule.summary}".casefold()]
-    explained = [rule for rule in rules if rule not in titled and word in " ".join(rule.explanation.split()).casefold()]
-    return (*titled, *explained)
 
 
 def instead_of(given: str, rules: Sequence[Rule]) -> str:

@@ -31,7 +31,6 @@ from robodyn.checks.rules.text import unused_waiver, without_use
 from robodyn.checks.sources import (
     Config,
     defined_beside,
-    each_in_a_process,
     files_of,
     find_config,
     read_config,
@@ -114,10 +113,8 @@ def check(
 def tasks_for(sources: Sequence[Source], given: Options = STANDARD, config: str | None = None) -> tuple[Task, ...]:
     """Return the files of the sources, each with its options: those of the call win over those of its project, or are
     added to them (see `Config.of`). The settings of the file `config` hold for all, by default those above each. Of a
-    folder that is named xacro files may read every file.
-
-    Raises:
-        InputError: nothing matches a source, there is no such rule, or settings are wrong."""
+    folder that is named xacro files may read every file. InputError where nothing matches a source, there is no such
+    rule, or settings are wrong."""
     rules_for(given.select, given.ignore)
     fixed = None if config is None else read_config(config)
     known: dict[str, Config | None] = {}
@@ -223,7 +220,12 @@ def check_tasks(tasks: Sequence[Task], done: Callable[[], None] = lambda: None) 
     each. One that cannot be read stops no other; one that describes no robot is skipped, with a warning, and so is a
     URDF that is what one of the xacro files expands to."""
     shared_out = worth_processes([task.source for task in tasks])
-    each = each_in_a_process(_outcome, [(task,) for task in tasks]) if shared_out else map(_outcome, tasks)
+    if shared_out:
+        from robodyn.support.processes import each_in_a_process
+
+        each = each_in_a_process(_outcome, [(task,) for task in tasks])
+    else:
+        each = map(_outcome, tasks)
     found, unread = list[tuple[str, Found]](), list[Unread]()
     for task, outcome in zip(tasks, each, strict=True):
         if isinstance(outcome, NoRobotError):
@@ -301,11 +303,8 @@ def _read(source: Source, options: Options, name: str | None) -> tuple[Document,
         for kind in ("parent", "child")
     }
     hung_on = sorted(filter(None, ends["parent"] - links))
-    if (
-        0 < len(hung_on) <= _MOST_HUNG_ON
-        and ends["child"] <= links
-        and (other := defined_beside(path, hung_on)) is not None
-    ):
+    is_part = 0 < len(hung_on) <= _MOST_HUNG_ON and ends["child"] <= links
+    if is_part and (other := defined_beside(path, hung_on)) is not None:
         what = f"it is a part that hangs on {listed(hung_on)} of {os.path.basename(other)}"
         raise NoRobotError(what, remedy="name the file that includes both", file=path)
     return reading, expansion

@@ -28,23 +28,13 @@ TARGETS = ("mujoco", "drake", "gz", "kdl", "isaac")
 
 @dataclass(frozen=True, slots=True)
 class Asked:
-    """What is asked.
+    """What is asked; InputError where a target is not known."""
 
-    Attributes:
-        targets: programs whose verdict RD901 gives.
-        against: a git revision whose version of the file RD902 compares with.
-        trajectory: a file with a motion along which RD802 holds the limits against the loads; reading: how it is read,
-            as for `read_motion`.
-        xacro_args: of the file, with which its version at that revision is expanded.
-
-    Raises:
-        InputError: a target is not known."""
-
-    targets: tuple[str, ...] = ()
-    against: str | None = None
-    trajectory: str | None = None
-    reading: Mapping[str, Any] = field(default_factory=dict)
-    xacro_args: tuple[tuple[str, str], ...] = ()
+    targets: tuple[str, ...] = ()  # programs whose verdict RD901 gives
+    against: str | None = None  # a git revision whose version of the file RD902 compares with, or another file
+    trajectory: str | None = None  # a file with a motion along which RD802 holds the limits against the loads
+    reading: Mapping[str, Any] = field(default_factory=dict)  # how it is read, as for `read_motion`
+    xacro_args: tuple[tuple[str, str], ...] = ()  # with which the version at the revision is expanded
 
     def __post_init__(self) -> None:
         for target in self.targets:
@@ -59,61 +49,40 @@ NOTHING = Asked()
 class Thresholds:
     """The numbers that a project may set for itself; SI units."""
 
-    axis_length: float = 1e-3
-    """RD502: how far the length of an axis may be from 1."""
-    positive_definite: float = 1e-9
-    """RD206: least principal moment over the largest."""
-    triangle: float = 1e-6
-    """RD207: slack of the triangle inequality over the largest principal moment."""
-    least_mass: float = 1e-4
-    """RD209: mass of a moving rigid group."""
-    least_gyration: float = 1e-4
-    """RD209: radius of gyration of a moving rigid group."""
-    mass_ratio: float = 1000.0
-    """RD210: masses of the rigid groups on both sides of a joint."""
-    most_effort: float = MOST_EFFORT
-    """RD506: a greater effort is a sentinel."""
-    most_velocity: float = MOST_VELOCITY
-    """RD506: a greater velocity is a sentinel."""
-    most_range: float = 1e4
-    """RD504: a greater position limit is a sentinel."""
-    mimic_range: float = 1e-3
-    """RD512: how far a follower may be driven beyond its limits [rad or m]."""
-    least_density: float = 10.0
-    """RD304: mass of a rigid group over the volume of the box around its shapes [kg/m^3]."""
-    most_density: float = 9000.0
-    """RD304: a greater one is too dense even for solid steel."""
+    axis_length: float = 1e-3  # RD502: how far the length of an axis may be from 1
+    positive_definite: float = 1e-9  # RD206: least principal moment over the largest
+    triangle: float = 1e-6  # RD207: slack of the triangle inequality over the largest principal moment
+    least_mass: float = 1e-4  # RD209: mass of a moving rigid group
+    least_gyration: float = 1e-4  # RD209: radius of gyration of a moving rigid group
+    mass_ratio: float = 1000.0  # RD210: masses of the rigid groups on both sides of a joint
+    most_effort: float = MOST_EFFORT  # RD506: a greater effort is a sentinel
+    most_velocity: float = MOST_VELOCITY  # RD506: a greater velocity is a sentinel
+    most_range: float = 1e4  # RD504: a greater position limit is a sentinel
+    mimic_range: float = 1e-3  # RD512: how far a follower may be driven beyond its limits [rad or m]
+    least_density: float = 10.0  # RD304: mass of a rigid group over the volume of the box around its shapes [kg/m^3]
+    most_density: float = 9000.0  # RD304: a greater one is too dense even for solid steel
 
 
 @dataclass(frozen=True, repr=False)
 class Options:
-    """What is checked, and against what.
-
-    Attributes:
-        select: codes (RD207) or beginnings of codes (RD2) of the rules to run, ALL, or DEFAULT, which is meant if it is
-            empty: errors, and what is likely a defect; ignore: of the rules not to run.
-        package_path: folders in which `package://` names are looked up first.
-        trust_xacro: whether xacro files may do whatever Python can.
-        expanded_to: the folder to which xacro files are expanded, and which their meshes are named from.
-        including: whether of a xacro file that others include those are checked in its place.
-        asked: what is asked beyond the files themselves."""
+    """What is checked, and against what. `select` and `ignore` are codes (RD207) or beginnings of codes (RD2) of rules
+    to run and not to run, ALL, or DEFAULT, which is meant if it is empty: errors, and what is likely a defect."""
 
     select: tuple[str, ...] = ()
     ignore: tuple[str, ...] = ()
     thresholds: Thresholds = Thresholds()
-    package_path: tuple[str, ...] = ()
+    package_path: tuple[str, ...] = ()  # folders in which `package://` names are looked up first
     xacro_args: tuple[tuple[str, str], ...] = ()
-    trust_xacro: bool = False
-    asked: Asked = NOTHING
-    expanded_to: str = ""
-    including: bool = False
+    trust_xacro: bool = False  # whether xacro files may do whatever Python can
+    asked: Asked = NOTHING  # beyond the files themselves
+    expanded_to: str = ""  # the folder to which xacro files are expanded, and which their meshes are named from
+    including: bool = False  # whether of a xacro file that others include those are checked in its place
 
     def __repr__(self) -> str:
         return call_of(self)
 
 
-STANDARD = Options()
-"""What holds where nothing else is asked: the default set, and the thresholds as they are."""
+STANDARD = Options()  # what holds where nothing else is asked: the default set, and the thresholds as they are
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,40 +122,6 @@ class Tree:
     @property
     def root(self) -> LinkView:
         return self.links[0]
-
-
-def build_tree(view: View) -> Tree | None:
-    """Return the tree; None where there is none, or names or types are not in order: RD101 to RD109 say why."""
-    above = {joint.child: joint for joint in view.joints}
-    unique = len(view.link) == len(view.links) and len(view.joint) == len(view.joints) == len(above)
-    led = all(joint.parent in view.link and joint.child in view.link for joint in view.joints)
-    typed = all(joint.type in JOINT_TYPES for joint in view.joints)
-    roots = [link for link in view.links if link.name not in above]
-    if not (unique and led and typed) or len(roots) != 1:
-        return None
-    below: dict[str, list[str]] = {}
-    for joint in view.joints:
-        below.setdefault(joint.parent, []).append(joint.child)
-    links, waiting = list[LinkView](), [roots[0].name]
-    while waiting:
-        name = waiting.pop()
-        links.append(view.link[name])
-        waiting += reversed(below.get(name, ()))
-    if len(links) < len(view.links):
-        return None
-    groups, group = list[Group](), dict[str, Group]()
-    for link in links:
-        carrier = above.get(link.name)
-        parent = None if carrier is None else group[carrier.parent]
-        if carrier is not None and parent is not None and not carrier.moves:
-            parent.links.append(link)
-            group[link.name] = parent
-            continue
-        group[link.name] = Group([link], carrier, parent)
-        groups.append(group[link.name])
-        if parent is not None:
-            parent.children.append(group[link.name])
-    return Tree(tuple(links), above, tuple(groups), group)
 
 
 @dataclass(frozen=True, eq=False)
@@ -230,7 +165,38 @@ class Context:
 
     @cached_property
     def tree_or_none(self) -> Tree | None:
-        return build_tree(self.view)
+        """None where there is no tree, or names or types are not in order: RD101 to RD109 say why."""
+        view = self.view
+        above = {joint.child: joint for joint in view.joints}
+        unique = len(view.link) == len(view.links) and len(view.joint) == len(view.joints) == len(above)
+        led = all(joint.parent in view.link and joint.child in view.link for joint in view.joints)
+        typed = all(joint.type in JOINT_TYPES for joint in view.joints)
+        roots = [link for link in view.links if link.name not in above]
+        if not (unique and led and typed) or len(roots) != 1:
+            return None
+        below: dict[str, list[str]] = {}
+        for joint in view.joints:
+            below.setdefault(joint.parent, []).append(joint.child)
+        links, waiting = list[LinkView](), [roots[0].name]
+        while waiting:
+            name = waiting.pop()
+            links.append(view.link[name])
+            waiting += reversed(below.get(name, ()))
+        if len(links) < len(view.links):
+            return None
+        groups, group = list[Group](), dict[str, Group]()
+        for link in links:
+            carrier = above.get(link.name)
+            parent = None if carrier is None else group[carrier.parent]
+            if carrier is not None and parent is not None and not carrier.moves:
+                parent.links.append(link)
+                group[link.name] = parent
+                continue
+            group[link.name] = Group([link], carrier, parent)
+            groups.append(group[link.name])
+            if parent is not None:
+                parent.children.append(group[link.name])
+        return Tree(tuple(links), above, tuple(groups), group)
 
     @cached_property
     def description_or_none(self) -> Description | None:

@@ -18,8 +18,7 @@ ROUNDS = 20
 Check = Callable[[bytes], tuple[Finding, ...]]
 Pairs = list[tuple[Finding, Fix]]
 STATES = 16
-SAME = 64 * 2.0**-52
-"""Of the largest torque: what rounding may make of the same dynamics."""
+SAME = 64 * 2.0**-52  # of the largest torque: what rounding may make of the same dynamics
 
 
 def together(findings: Iterable[Finding], safe: bool) -> Pairs:

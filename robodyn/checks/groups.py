@@ -12,7 +12,7 @@ import json
 import os
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -48,32 +48,35 @@ def cause_of(finding: Finding) -> str:
 def grouped(findings: Iterable[Finding]) -> tuple[Finding, ...]:
     """Return one finding for each cause in each file, with its further places, and for those that are equal in several
     files; in the order of the first places."""
-    together: dict[tuple[object, ...], list[Finding]] = {}
-    for finding in findings:
-        key = (finding.file, finding.code, finding.severity, finding.kind, cause_of(finding))
-        together.setdefault(key, []).append(finding)
-    return across_files(replace(one, others=tuple(others)) if others else one for one, *others in together.values())
+    of_a_cause = _joined(
+        findings, lambda finding: (finding.file, finding.code, finding.severity, finding.kind, cause_of(finding))
+    )
+    return across_files(of_a_cause)
 
 
 def across_files(findings: Iterable[Finding]) -> tuple[Finding, ...]:
     """Return one finding for those that say the same of the same links and joints, with the places in all files."""
-    same: dict[tuple[object, ...], list[Finding]] = {}
+
+    def said(finding: Finding) -> tuple[object, ...]:
+        return tuple((place.subject, place.message, place.cause) for place in finding.places)
+
+    return tuple(_joined(findings, lambda finding: (finding.code, finding.severity, said(finding))))
+
+
+def _joined(findings: Iterable[Finding], key: Callable[[Finding], object]) -> Iterator[Finding]:
+    """Yield one finding for those of the same key: the first, with the places of the others."""
+    same: dict[object, list[Finding]] = {}
     for finding in findings:
-        said = tuple((place.subject, place.message, place.cause) for place in finding.places)
-        same.setdefault((finding.code, finding.severity, said), []).append(finding)
-    return tuple(
-        replace(one, others=(*one.others, *(place for more in others for place in more.places))) if others else one
-        for one, *others in same.values()
-    )
+        same.setdefault(key(finding), []).append(finding)
+    for one, *others in same.values():
+        more = (place for other in others for place in other.places)
+        yield replace(one, others=(*one.others, *more)) if others else one
 
 
 def file_by_file(findings: Iterable[Finding]) -> Iterator[Finding]:
     """Yield the findings for programs that want those of each file by themselves."""
     for finding in findings:
-        files: dict[str, list[Finding]] = {}
-        for place in finding.places:
-            files.setdefault(place.checked, []).append(place)
-        yield from (replace(one, others=tuple(others)) for one, *others in files.values())
+        yield from _joined((replace(place, others=()) for place in finding.places), lambda place: place.checked)
 
 
 def across_robots(findings: Iterable[Finding]) -> list[Finding]:
@@ -93,10 +96,9 @@ def across_robots(findings: Iterable[Finding]) -> list[Finding]:
 
 def places(findings: Iterable[Finding]) -> tuple[Finding, ...]:
     """Return every place of the findings by itself, file by file and each in the order of its text."""
-    files: dict[str, list[Finding]] = {}
-    for place in (place for finding in findings for place in finding.places):
-        files.setdefault(place.file, []).append(place)
-    return tuple(one for found in files.values() for one in sorted(found, key=lambda one: (one.start, one.code)))
+    found = [place for finding in findings for place in finding.places]
+    order = {file: k for k, file in enumerate(dict.fromkeys(place.file for place in found))}
+    return tuple(sorted(found, key=lambda one: (order[one.file], one.start, one.code)))
 
 
 def deduplicate(findings: Sequence[Finding], rules: Mapping[str, Rule]) -> list[Finding]:

@@ -28,18 +28,14 @@ from robodyn.robot.urdf.edits import Edit, edited
 from robodyn.robot.urdf.parts import WITH_RANGE
 from robodyn.robot.urdf.view import JointView, LinkView
 
-INSTALLABLE = "mujoco", "drake"
-"""Programs that can be run: targets, and the packages to install."""
+INSTALLABLE = "mujoco", "drake"  # programs that can be run: targets, and the packages to install
 _PACKAGE = re.compile(rb"(?:package|model)://([^/\"']+)/")
-PATIENCE = 60.0
-"""s."""
+PATIENCE = 60.0  # s
 Held = Mapping[str, Any]
 """What a program holds. `bodies`: by name mass [kg], centre of mass [m] and moments about it in the frame of the link
 (xx, xy, xz, yy, yz, zz) [kg m^2]; `joints`: by name `limits` and `friction`; `free`: bodies that float; `coupled`: the
 joints that mimic others, of MuJoCo; `shapes`: how many of each kind."""
 _CHANGED = 1e-6  # relative, or m, from which a number is another one
-
-
 _FUSED, _DROPPED, _WORLD = "fuses {} with what carries them", "drops {}", "makes {} a part of the world, without mass"
 _MOST = 3
 _LONGEST = 300

@@ -26,8 +26,7 @@ _LEAST_MASS, _LEAST_MOMENT = 1e-15, 1e-14  # MuJoCo: kg, and principal moments [
 _ROUNDING = 1e-15  # of principal moments, relative; within it a program's own rounding decides
 _LEAST_GAZEBO = 1e-6  # kg
 _LIMITED = ("revolute", "continuous", "prismatic")
-Found = tuple[Span, str]
-"""A place, and what is there."""
+Found = tuple[Span, str]  # a place, and what is there
 Find = Callable[[Context], Iterable[Found]]
 
 

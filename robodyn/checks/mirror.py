@@ -25,8 +25,7 @@ from robodyn.solids.inertia.laws import symmetric
 from robodyn.support.floats import Floats, first_largest
 from robodyn.support.wording import shown
 
-MASS, MOMENTS = 0.02, 0.10
-"""How far twins may differ: their masses, and their moments relative to the largest."""
+MASS, MOMENTS = 0.02, 0.10  # how far twins may differ: their masses, and their moments relative to the largest
 _FLOOR = 1e-3  # a shift of the centre of mass that is no more is none [m]
 _AXIS = 0.02  # how far an axis may be from the image of its twin's [rad]
 _ALONE = r"(?<![A-Za-z]){}(?![A-Za-z])"
@@ -48,8 +47,7 @@ _SWAPS = tuple(
         (r"(?<=[a-z0-9])L(?![A-Za-z])", "R"),
     )
 )
-Names = tuple[str, str]
-"""Of a left and a right link."""
+Names = tuple[str, str]  # of a left and a right link
 _NEAR = 2e-3  # how far a frame may be from its mirror image, relative to the robot's size
 _SQUARE = [
     np.eye(3)[list(order)] * signs for order in permutations(range(3)) for signs in product_of((1, -1), repeat=3)
@@ -180,24 +178,16 @@ class Pair:
 
 @dataclass(frozen=True, eq=False)
 class Symmetry:
-    """How far a robot is its own mirror image.
-
-    Attributes:
-        R, p: rotation and origin of every link in the root's axes at q = 0 [m].
-        near: how far a frame may be from its mirror image [m].
-        above: the joint that each link hangs on.
-        named: the pairs that names propose, left and right; pairs: those that are confirmed, by their right links, in
-            the order of these in the file.
-        turned: by link of pairs whose frames are turned against each other the rotation that its joint would have."""
+    """How far a robot is its own mirror image."""
 
     plane: Plane
-    R: Mapping[str, Floats]
-    p: Mapping[str, Floats]
-    near: float
-    above: Mapping[str, Joint]
-    named: Sequence[Names]
-    pairs: Mapping[str, Pair]
-    turned: Mapping[str, Floats]
+    R: Mapping[str, Floats]  # of every link in the root's axes at q = 0
+    p: Mapping[str, Floats]  # its origin there [m]
+    near: float  # how far a frame may be from its mirror image [m]
+    above: Mapping[str, Joint]  # that each link hangs on
+    named: Sequence[Names]  # the pairs that names propose
+    pairs: Mapping[str, Pair]  # those that are confirmed, by their right links, in the order of these in the file
+    turned: Mapping[str, Floats]  # by link of pairs whose frames are turned, the rotation that its joint would have
 
     def directions(self, pair: Pair) -> Iterator[int]:
         """Yield 1 where equal positions of both joints are mirror images, -1 where opposite ones are; else nothing. A

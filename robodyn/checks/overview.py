@@ -6,7 +6,7 @@ import os
 import re
 import shlex
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import fsum
 
@@ -25,49 +25,36 @@ _PACKAGE = re.compile("(package|model)://[^/]")
 
 @dataclass(frozen=True)
 class Branch:
-    """A link in the tree: how many joints are between it and the root, its mass [kg], None without <inertial>, and the
-    joint that carries it, None for the root."""
+    """A link in the tree."""
 
     name: str
     line: int
-    depth: int
-    mass: float | None
-    joint: Joint | None
+    depth: int  # how many joints are between it and the root
+    mass: float | None  # [kg]; None without <inertial>
+    joint: Joint | None  # that carries it; None for the root
 
 
 @dataclass(frozen=True, eq=False)
 class Overview:
-    """A description at a glance.
-
-    Attributes:
-        base: the link in whose frame the centre of mass is.
-        branches: the links, depth first and in the order of the file; massive: how many of them have mass.
-        types: how many joints there are of each type, the most frequent first.
-        loops: how many the description closes itself.
-        freedoms: degrees of freedom; `base_freedoms` of them are those of a base that floats.
-        mass: of all links [kg]; inf beyond the range of numbers.
-        com: [m], or None without mass.
-        at: the coordinates at which it is taken, each zero or the limit nearest to zero [rad or m].
-        meshes: how often they are named, how many names there are; missing: the first place of each without a file.
-        notes: why there is no centre of mass, and which joints are beyond their limits all the same; of formats other
-            than URDF those of the model, too: what they say beyond."""
+    """A description at a glance. Its notes say why there is no centre of mass, and which joints are beyond their limits
+    all the same; those of the model, of formats other than URDF, what the file says beyond."""
 
     name: str
     file: str
-    base: str
-    branches: tuple[Branch, ...]
-    massive: int
-    types: Mapping[str, int]
+    base: str  # the link in whose frame the centre of mass is
+    branches: tuple[Branch, ...]  # the links, depth first and in the order of the file
+    massive: int  # how many of them have mass
+    types: Mapping[str, int]  # how many joints there are of each, the most frequent first
     mimics: int
-    loops: int
+    loops: int  # that the description closes itself
     freedoms: int
-    base_freedoms: int
-    mass: float
-    com: Array | None
-    at: Mapping[str, float]
+    base_freedoms: int  # of these, those of a base that floats
+    mass: float  # of all links [kg]; inf beyond the range of numbers
+    com: Array | None  # [m]; None without mass
+    at: Mapping[str, float]  # where it is taken, each coordinate zero or the limit nearest to zero [rad or m]
     notes: tuple[str, ...]
-    meshes: tuple[int, int]
-    missing: Sequence[tuple[str, Geometry]]
+    meshes: tuple[int, int]  # how often they are named, how many names there are
+    missing: Sequence[tuple[str, Geometry]]  # of each that has no file the first place
     checked: Checked
     next: tuple[str, ...]
 
@@ -86,12 +73,9 @@ def overview(
     """Return what a URDF or xacro file holds, with the findings of `robodyn check` by the settings of its project.
 
     Args:
-        source: path of the file, or its bytes.
+        source: path of the file, or its bytes; DescriptionError where it cannot be read, or is no robot.
         package_paths: folders in which `package://` names are looked up first.
         xacro_args, trust_xacro: values of the arguments of a xacro file; let it run any Python and read any file.
-
-    Raises:
-        DescriptionError: the file cannot be read, or is no robot; with the line.
 
     Accuracy: the mass is correctly rounded; the centre of mass within 1e-14 of the robot's size for twenty joints in a
         row."""

@@ -28,8 +28,7 @@ from robodyn.robot.urdf.view import Subject
 
 _BEFORE, _AFTER = 60, 60  # bytes that are shown before and after a finding, at most; its first `_AFTER` count
 __all__ = ["Context", "Edit"]
-HERE = Subject("", "")
-"""The link or joint in which a fault is."""
+HERE = Subject("", "")  # the link or joint in which a fault is
 
 
 class Severity(Enum):
@@ -139,32 +138,19 @@ TREE, MODEL = Stage.TREE, Stage.MODEL
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """What a check has found.
+    """What a check has found."""
 
-    Attributes:
-        at: the attribute (or the start tag) at fault.
-        what: what is wrong, with the numbers, without the subject: "the mass is -1 kg, not positive".
-        remedy: what to do about it.
-        measured, bound: the number and what it must keep to, in SI units.
-        subject: what it is about, if it is not the link or joint that `at` is in; None for the file as a whole.
-        severity: where it is not the rule's.
-        cause: why it is so, where that can be established.
-        fix: where one edit is uniquely right.
-        kind: what it has in common with others of the same cause in the file; by default `what` without its names and
-            numbers.
-        document: the file that `at` is in, if it is not the description."""
-
-    at: Span
-    what: str
-    remedy: str
-    measured: float | None = None
-    bound: float | None = None
-    subject: Subject | None = HERE
-    severity: Severity | None = None
-    cause: str | None = None
-    fix: Fix | None = None
-    kind: str | None = None
-    document: Document | None = None
+    at: Span  # the attribute (or the start tag) at fault
+    what: str  # what is wrong, with the numbers, without the subject: "the mass is -1 kg, not positive"
+    remedy: str  # what to do about it
+    measured: float | None = None  # in SI units, as the next
+    bound: float | None = None  # what it must keep to
+    subject: Subject | None = HERE  # if it is not the link or joint that `at` is in; None for the file as a whole
+    severity: Severity | None = None  # where it is not the rule's
+    cause: str | None = None  # why it is so, where that can be established
+    fix: Fix | None = None  # where one edit is uniquely right
+    kind: str | None = None  # what others of the same cause have in common; by default `what` without names and numbers
+    document: Document | None = None  # the file that `at` is in, if it is not the description
 
 
 Faults = Iterable[Fault]
@@ -186,12 +172,8 @@ def text_faults(context: Context, code: str) -> Faults:
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """One rule with its documentation; `bad` and `good` are whole descriptions, and tests run both.
-
-    Attributes:
-        default: findings of this severity and above belong to the default set; the others are shown where the rule or
-            ALL is selected.
-        explains: codes of rules whose finding about the same link or joint is the same defect as this rule's."""
+    """One rule with its documentation; `bad` and `good` are whole descriptions, and tests run both. Findings below its
+    `default` are shown where the rule or ALL is selected."""
 
     code: str
     name: str
@@ -203,7 +185,7 @@ class Rule:
     good: str
     check: Callable[[Context], Faults]
     default: Severity = Severity.WARNING
-    explains: tuple[str, ...] = ()
+    explains: tuple[str, ...] = ()  # codes whose finding about the same link or joint is the same defect
 
     @property
     def in_default(self) -> bool:
@@ -223,11 +205,9 @@ def rule(
 ) -> Callable[[Callable[[Context], Faults]], Rule]:
     """Make the decorated function a rule of its name: `mass_not_positive` is mass-not-positive.
 
-    Its docstring is the summary, one sentence, and after a blank line the explanation, unless this is given.
-
-    Args:
-        good, bad: descriptions; a pair is a piece of the good one and what stands in its place in the bad one.
-        default: ERROR for a rule whose warnings are a matter of taste or of one program, NOTE where remarks matter."""
+    Its docstring is the summary, one sentence, and after a blank line the explanation, unless this is given. `good` and
+    `bad` are descriptions; a pair is a piece of the good one and what stands in its place in the bad one. `default` is
+    ERROR for a rule whose warnings are a matter of taste or of one program, NOTE where remarks matter."""
     wrong = bad if isinstance(bad, str) else good.replace(*bad)
 
     def decorate(check: Callable[[Context], Faults]) -> Rule:

@@ -8,37 +8,32 @@ from __future__ import annotations
 import glob
 import os
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import closing, suppress
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from fnmatch import fnmatchcase
 from pathlib import Path
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any
 from warnings import warn
 
 from robodyn.checks.catalogue import rules_for
 from robodyn.checks.context import Options, Thresholds
-from robodyn.checks.srdf import srdf_of
-from robodyn.errors import DescriptionError, InputError, NoRobotError, RobodynWarning, unreadable
-from robodyn.robot.urdf.document import read_document
+from robodyn.checks.srdf import document_or_none, srdf_of
+from robodyn.errors import InputError, NoRobotError, RobodynWarning, unreadable
 from robodyn.robot.urdf.sources import Search, is_xacro
 from robodyn.robot.urdf.xacro import no_robot, only_defines
 from robodyn.scene.scene import Rule
 from robodyn.scene.toml_table import TomlTable, read_toml
 from robodyn.support.input_file import read_input
-from robodyn.support.threads import cores, processes
+from robodyn.support.threads import cores
 from robodyn.support.wording import count, listed_paths, shown
 
-RELATED = (".srdf", ".stl", ".obj", ".dae", ".ply", ".glb", ".gltf")
-"""Suffixes of files that belong to descriptions."""
-R = TypeVar("R")
-_LEAST_WORK = 500_000  # bytes of XML in files that take longer to check than processes take to start: half a second
-_MESH = 5_000  # bytes of XML that take as long as a mesh of usual size, read anew
+RELATED = (".srdf", ".stl", ".obj", ".dae", ".ply", ".glb", ".gltf")  # suffixes of files that belong to descriptions
+_LEAST_WORK = 100_000  # bytes of XML that take longer to check, with meshes, than processes take to start
 _INCLUDE = re.compile(rb"""<(?:xacro:)?include\s[^<>]*?filename\s*=\s*["']([^"'<]+)["']""")
 _FIND = re.compile(r"\$\(find ([^)]*)\)")
 _MOST_SOURCE = 1 << 24
-NAMES = ("robodyn.toml", "pyproject.toml")
-"""What is looked for in each folder, in this order."""
+NAMES = ("robodyn.toml", "pyproject.toml")  # what is looked for in each folder, in this order
 
 
 def related_descriptions(path: str) -> list[str]:
@@ -46,7 +41,13 @@ def related_descriptions(path: str) -> list[str]:
     include it, through others or not, in the packages beside as well. Without a package.xml above the file they are
     looked for in its folder, in the one above, and in those in these. NoRobotError for none."""
     if is_xacro(path):
-        found = sorted(map(str, _including(Path(path).absolute())))
+        part = Path(path).absolute()
+        home = Search(str(part)).home
+        packages = [] if home is None else [folder.parent for folder in home.parent.glob("*/package.xml")]
+        above, reached = includers({*_in_packages(packages, part, ".xacro"), part}), [part]
+        for one in reached:
+            reached += sorted(above[one].difference(reached))
+        found = sorted({str(file) for file in reached[1:] if not above[file] and not only_defines(str(file))})
         if not found:
             raise no_robot(path)
     else:
@@ -54,7 +55,9 @@ def related_descriptions(path: str) -> list[str]:
         home = Search(str(file)).home
         descriptions = _in_packages([] if home is None else [home], file, ".urdf")
         if path.lower().endswith(".srdf"):
-            found = [str(urdf) for urdf in descriptions if _has_srdf(urdf, file)]
+            documents = {str(urdf): document_or_none(urdf) for urdf in descriptions}
+            own = {name: srdf_of(name, each.root.get("name")) for name, each in documents.items() if each is not None}
+            found = [name for name, each in own.items() if each is not None and os.path.samefile(each.file, file)]
         else:
             found = [str(urdf) for urdf in descriptions if file.name.encode() in read_input(urdf)]
     if not found:
@@ -67,17 +70,6 @@ def _in_packages(packages: Iterable[Path], path: Path, suffix: str) -> list[Path
         file for folder in path.parents[:2] for form in ("*", "*/*") for file in folder.glob(form + suffix)
     }
     return sorted(file for file in found if file.is_file())
-
-
-def _including(parts: Path) -> set[Path]:
-    """Return the xacro files that describe a robot and include this one, through others or not."""
-    home = Search(str(parts)).home
-    packages = [] if home is None else [folder.parent for folder in home.parent.glob("*/package.xml")]
-    above = includers({*_in_packages(packages, parts, ".xacro"), parts})
-    reached = [parts]
-    for one in reached:
-        reached += sorted(above[one].difference(reached))
-    return {file for file in reached[1:] if not above[file] and not only_defines(str(file))}
 
 
 def includers(files: Iterable[Path]) -> dict[Path, set[Path]]:
@@ -117,14 +109,6 @@ def defined_beside(path: str, names: Iterable[str]) -> str | None:
             if all(one.search(text) for one in wanted):
                 return str(other)
     return None
-
-
-def _has_srdf(urdf: Path, srdf: Path) -> bool:
-    try:
-        own = srdf_of(str(urdf), read_document(urdf).root.get("name"))
-    except DescriptionError:
-        return False
-    return own is not None and os.path.samefile(own.file, srdf)
 
 
 def files_of(sources: Sequence[str | os.PathLike[str] | bytes], including: bool = False) -> list[str | bytes]:
@@ -180,28 +164,9 @@ def _expanded(path: str, including: bool) -> list[str]:
 
 
 def worth_processes(files: Sequence[str | bytes]) -> bool:
-    """Whether there is more work, in XML and in the meshes that it names, than starting processes is."""
-    if len(files) < 2 or cores() < 2:
-        return False
-    work = 0
-    for file in (file for file in files if not isinstance(file, bytes)):
-        with suppress(OSError, ValueError, InputError):  # told when it is checked
-            data = read_input(file)
-            work += len(data) + _MESH * data.count(b"<mesh")
-    return work > _LEAST_WORK
-
-
-def each_in_a_process(work: Callable[..., R], calls: Sequence[tuple[Any, ...]]) -> Iterator[R | InputError]:
-    """Yield `work(*call)` of every call, in their order, on all cores; an error of a call that processes died of."""
-    from robodyn.support.processes import Death, in_processes
-
-    found: dict[int, R | InputError] = {}
-    with closing(in_processes(work, calls, processes(len(calls)))) as done:
-        for number in range(len(calls)):
-            while number not in found:
-                other, outcome = next(done)
-                found[other] = InputError(str(outcome)) if isinstance(outcome, Death) else outcome
-            yield found.pop(number)
+    """Whether there is more work, by the size of the files, than starting processes is."""
+    sizes = [os.path.getsize(file) for file in files if not isinstance(file, bytes) and os.path.isfile(file)]
+    return min(len(files), cores()) > 1 and sum(sizes) > _LEAST_WORK
 
 
 @dataclass(frozen=True)

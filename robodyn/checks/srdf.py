@@ -45,13 +45,13 @@ def srdf_of(file: str, robot: str | None) -> Document | None:
         return None
     for same in (folder / sub / f"{Path(file).stem}.srdf" for sub in _BESIDE):
         if os.path.isfile(same):
-            return _document(same)
+            return document_or_none(same)
     alone = (found[0] for sub in _BESIDE if len(found := [*(folder / sub).glob("*.srdf")]) == 1)
-    documents = (_document(path) for path in alone if robot)
+    documents = (document_or_none(path) for path in alone if robot)
     return next((each for each in documents if each is not None and each.root.get("name") == robot), None)
 
 
-def _document(path: Path) -> Document | None:
+def document_or_none(path: Path) -> Document | None:
     try:
         return read_document(path) if path.stat().st_size < _MOST_READ else None
     except (OSError, DescriptionError):

@@ -22,8 +22,7 @@ from robodyn.checks.rule import Finding
 from robodyn.robot.urdf.document import Document, Span
 from robodyn.support.wording import alternatives, shown
 
-OWN = ("RD008", "RD009")
-"""The rules about waivers, which cannot be waived."""
+OWN = ("RD008", "RD009")  # the rules about waivers, which cannot be waived
 EXAMPLE = "<!-- robodyn: allow RD208 why this is so -->"
 _COMMENT = re.compile(rb"<!--.*?-->", re.DOTALL)
 _WAIVER = re.compile(rb"<!--\s*robodyn:(.*?)-->", re.DOTALL)

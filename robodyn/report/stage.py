@@ -322,6 +322,8 @@ def shapes_of_bodies(model: Model) -> tuple[dict[int, Floats], str]:
         if link in model.links:
             body, R, p = model.links[link]
             found.setdefault(body, []).append(product(triangles, np.asarray(R, float).T) + p)
+    if not found:
+        why = f"{why} It is drawn as a skeleton.".strip()
     return {body: np.concatenate(parts) for body, parts in found.items()}, why
 
 

@@ -9,13 +9,15 @@ import subprocess
 import sys
 from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import closing, contextmanager, suppress
 from queue import Empty, Queue
 from threading import Thread
 from traceback import format_exc
 from typing import Any, Generic, NamedTuple, TypeVar
 
+from robodyn.errors import InputError
 from robodyn.support.children import start_python
+from robodyn.support.threads import processes
 
 ATTEMPTS = 2
 """Processes that may die of one call before it is given up."""
@@ -159,6 +161,17 @@ def in_processes(
             worker.process.terminate()
         for worker in workers:
             end(worker)
+
+
+def each_in_a_process(work: Callable[..., R], calls: Sequence[tuple[Any, ...]]) -> Iterator[R | InputError]:
+    """Yield `work(*call)` of every call, in their order, on all cores; an error of a call that processes died of."""
+    found: dict[int, R | InputError] = {}
+    with closing(in_processes(work, calls, processes(len(calls)))) as done:
+        for number in range(len(calls)):
+            while number not in found:
+                other, outcome = next(done)
+                found[other] = InputError(str(outcome)) if isinstance(outcome, Death) else outcome
+            yield found.pop(number)
 
 
 def serve() -> None:

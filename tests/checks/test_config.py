@@ -15,16 +15,7 @@ import robodyn
 from robodyn.checks import check as checks
 from robodyn.checks import sources
 from robodyn.checks.catalogue import ALL, BY_CODE, DEFAULT, rules_for
-from robodyn.checks.check import (
-    Checked,
-    Options,
-    Task,
-    check,
-    check_one,
-    check_tasks,
-    found_in,
-    tasks_for,
-)
+from robodyn.checks.check import Checked, Options, Task, check, check_one, check_tasks, found_in, tasks_for
 from robodyn.checks.context import Asked, Thresholds
 from robodyn.checks.sources import parse_config
 from robodyn.errors import InputError, RobodynWarning

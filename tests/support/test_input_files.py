@@ -37,6 +37,7 @@ MAY = {
     },
     "robodyn/support/processes.py": {"open": "the null device", "fdopen": "a stream", "os.fdopen": "a stream"},
     "robodyn/report/renderers/pages.py": {"read_text": "robodyn's own assets"},
+    "cli/view.py": {"open": "the page in the browser"},
     "robodyn/measure/doctor.py": {"read_text": "/proc/cpuinfo"},
     "robodyn/trajectory/write.py": {"memmap": "a temporary file of its own", "ZipFile": "an output that is open",
                                     "open": "a member of that"},

@@ -15,12 +15,11 @@ import pytest
 from helpers.mesh_files import dae
 from helpers.processed import figure_of, leave, write_interrupted
 
-from robodyn.checks.sources import each_in_a_process
 from robodyn.errors import InputError
 from robodyn.solids.mesh.read.load import load_triangles
 from robodyn.support import threads as workers
 from robodyn.support.libraries import library_messages, treated_warnings
-from robodyn.support.processes import in_processes
+from robodyn.support.processes import each_in_a_process, in_processes
 from robodyn.support.threads import prefetch, processes, write_behind
 
 
@@ -47,7 +46,7 @@ def test_files_are_checked_by_as_many(monkeypatch):
         yield from ((number, work(*call)) for number, call in reversed([*enumerate(calls)]))
 
     monkeypatch.setattr("robodyn.support.processes.in_processes", in_turn)
-    monkeypatch.setattr("robodyn.checks.sources.processes", lambda jobs: processes(jobs, 96, "win32"))
+    monkeypatch.setattr("robodyn.support.processes.processes", lambda jobs: processes(jobs, 96, "win32"))
     assert list(each_in_a_process(lambda file: file, [(k,) for k in range(80)])) == list(range(80))
     assert counts == [61]
 

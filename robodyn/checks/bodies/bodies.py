@@ -185,22 +185,16 @@ def _solid(shape: GeometryView, box: Box, facts: Mapping[str, MeshFacts]) -> Uni
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Body:
-    """One inertial and the boxes that it ought to fit.
-
-    Attributes:
-        c: (3,) centre of mass in the link's frame [m].
-        S: (3, 3) second moments about the centre, along the link's axes [kg m^2]; None without a tensor, or if it is 0.
-        own: box around the link's shapes, along its axes; group: around those of its rigid group, in the frame of the
-            group's first link, in which `pose` is that of the link."""
+    """One inertial and the boxes that it ought to fit."""
 
     link: LinkView
     inertial: InertialView
     mass: float
-    c: Floats
-    S: Floats | None
-    own: Box | None
-    group: Box | None
-    pose: Pose
+    c: Floats  # (3,) centre of mass in the link's frame [m]
+    S: Floats | None  # (3, 3) second moments about it, along the link's axes [kg m^2]; None without a tensor, or if 0
+    own: Box | None  # around the link's shapes, along its axes
+    group: Box | None  # around those of its rigid group, in the frame of the group's first link
+    pose: Pose  # that of the link in there
 
     @property
     def tensor_span(self) -> Span:
@@ -254,10 +248,8 @@ def repeated(context: Context) -> Mapping[str, JointView]:
         part, again = known.get(joint.parent), known.get(joint.child)
         if joint.type != "fixed" or part is None or again is None or abs(part.mass - again.mass) > _MASS * part.mass:
             continue
-        one, its = (
-            {tuple(sorted(shape.shape.values.items())) for shape in body.link.geometries if shape.shape is not None}
-            for body in (part, again)
-        )
+        each = ([shape.shape for shape in real_shapes(body.link)] for body in (part, again))
+        one, its = ({tuple(sorted(shape.values.items())) for shape in shapes if shape} for shapes in each)
         one_centre = length(part.in_group[0] - again.in_group[0]) <= _NEAR and not _stand_in(again)
         same = part.link.tensor == again.link.tensor and bool((part.c == again.c).all())
         if share(context, again) is not None and its <= one and not _stand_in(part) and (one_centre or same):

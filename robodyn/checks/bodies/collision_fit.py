@@ -172,10 +172,8 @@ def _exchanged(one: _Link) -> Iterator[Misfit]:
         boxes = [(exchanged if each is shape else one.known[each]).placed(STILL) for each in one.felt]
         fit = shared(one.seen_box, around(boxes))
         if fit >= max(_FITTING, (_BETTER if fit >= 2 * _FITTING else _MUCH_BETTER) * as_is):
-            what = (
-                "its collision cylinder fits what is seen with radius and length exchanged: their boxes then share "
-                f"{fit:.0%}, as it stands {as_is:.0%}"
-            )
+            what = "its collision cylinder fits what is seen with radius and length exchanged: their boxes then share "
+            what += f"{fit:.0%}, as it stands {as_is:.0%}"
             assert shape.shape is not None, "it is a cylinder"
             remedy = f'write radius="{shape.shape.get("length")}" length="{shape.shape.get("radius")}"'
             yield Misfit(shape, what, remedy, as_is, fit, "radius and length are exchanged")

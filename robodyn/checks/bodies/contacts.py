@@ -51,11 +51,8 @@ def rest_poses(context: Context) -> Mapping[str, Pose]:
 
 
 def joint_pose(joint: JointView) -> Pose | None:
-    """The pose of the child in the parent's frame at rest, at 0 or the limit next to it; None where it cannot be
-    read."""
-    fixed, axis = pose(joint.origin), joint.axis.or_default(1.0, 0.0, 0.0)
-    ends = joint.limit.range if joint.limit is not None and joint.type in WITH_RANGE else None
-    q = min(max(0.0, ends[0]), ends[1]) if ends is not None and ends[0] <= ends[1] else 0.0
+    """The pose of the child in the parent's frame at rest; None where it cannot be read."""
+    fixed, axis, q = pose(joint.origin), joint.axis.or_default(1.0, 0.0, 0.0), rest(joint)
     if fixed is None or axis is None or not q or not any(axis):
         return fixed
     unit = np.array(axis) / length(np.array(axis))
@@ -64,13 +61,17 @@ def joint_pose(joint: JointView) -> Pose | None:
     return Pose(product(fixed.R, rotation_about(unit, q).astype(float)), fixed.p)
 
 
-class Contact(NamedTuple):
-    """The links next to each other on both sides of a joint: the least gap between the boxes around their shapes, the
-    size of the larger of the two [m], and that on the parent's side."""
+def rest(joint: JointView) -> float:
+    ends = joint.limit.range if joint.limit is not None and joint.type in WITH_RANGE else None
+    return min(max(0.0, ends[0]), ends[1]) if ends is not None and ends[0] <= ends[1] else 0.0
 
-    gap: float
-    size: float
-    above: str
+
+class Contact(NamedTuple):
+    """Of the links next to each other on both sides of a joint."""
+
+    gap: float  # the least between the boxes around their shapes [m]
+    size: float  # of the larger of the two [m]
+    above: str  # the link on the parent's side
 
     @property
     def touches(self) -> bool:

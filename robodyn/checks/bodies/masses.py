@@ -15,14 +15,10 @@ from robodyn.robot.kinematics import Pose
 from robodyn.robot.urdf.view import InertialView, LinkView, OriginView
 from robodyn.solids.inertia.laws import Inertia, combined, inertia_of, symmetric
 
-Tensor = tuple[float, ...]
-"""ixx, ixy, ixz, iyy, iyz, izz [kg m^2]."""
-
-POINT = 1e-6
-"""Radius of gyration [m] below which a body counts as a point."""
+Tensor = tuple[float, ...]  # ixx, ixy, ixz, iyy, iyz, izz [kg m^2]
+POINT = 1e-6  # radius of gyration [m] below which a body counts as a point
 _ROUNDING = 2e-15
-STILL = Pose(IDENTITY, ZERO)
-"""The pose of a link in its own frame."""
+STILL = Pose(IDENTITY, ZERO)  # the pose of a link in its own frame
 
 
 def pose(origin: OriginView) -> Pose | None:

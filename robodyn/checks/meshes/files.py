@@ -43,42 +43,27 @@ _FLAT = 1e-2
 
 @dataclass(frozen=True, slots=True)
 class MeshFacts:
-    """One file, before any scale of the URDF.
+    """One file, before any scale of the URDF."""
 
-    Attributes:
-        problem, remedy: why it cannot be read, and what to do; the rest is then meaningless.
-        finite: whether that is for another reason than a coordinate that is not finite.
-        lo, hi: corners of its box [m].
-        volume: signed integral [m^3]; meaningless unless closed.
-        centre: of that volume [m]; second: xx, xy, xz, yy, yz, zz of its second moments about the centre, by the volume
-            [m^2]; zeros where there is no volume.
-        closed: whether the surface has no boundary; mixed: whether it has one by the winding of its faces alone.
-        inverted: shells wound inwards without being a cavity in another; overlapping: whether two shells share volume.
-        one_sided: faces that no turning makes agree with their neighbours, as on a Moebius strip.
-        mended: gaps of an open surface that `robodyn inertia` fills; None where there are too many triangles to tell.
-        left: gaps that are too large for that; missing: the share of the surface of the open parts that they are.
-        doubt: why the file may hold another mesh than was read.
-        digest: of the file's content; empty where nothing is kept by it."""
-
-    problem: str | None = None
+    problem: str | None = None  # why it cannot be read; the rest is then meaningless
     remedy: str = ""
-    finite: bool = True
+    finite: bool = True  # whether that is for another reason than a coordinate that is not finite
     triangles: int = 0
-    lo: tuple[float, ...] = (0.0, 0.0, 0.0)
+    lo: tuple[float, ...] = (0.0, 0.0, 0.0)  # corners of its box [m]
     hi: tuple[float, ...] = (0.0, 0.0, 0.0)
-    volume: float = 0.0
-    centre: tuple[float, ...] = (0.0,) * 3
-    second: tuple[float, ...] = (0.0,) * 6
-    closed: bool = False
-    mixed: bool = False
-    inverted: int = 0
-    overlapping: bool = False
-    one_sided: int = 0
-    mended: int | None = None
-    left: int = 0
-    missing: float = 0.0
-    doubt: str = ""
-    digest: str = ""
+    volume: float = 0.0  # signed integral [m^3]; meaningless unless closed
+    centre: tuple[float, ...] = (0.0,) * 3  # of that volume [m]; zeros where there is none, as of the next
+    second: tuple[float, ...] = (0.0,) * 6  # moments about the centre, by the volume, xx xy xz yy yz zz [m^2]
+    closed: bool = False  # whether the surface has no boundary
+    mixed: bool = False  # whether it has one by the winding of its faces alone
+    inverted: int = 0  # shells wound inwards without being a cavity in another
+    overlapping: bool = False  # whether two shells share volume
+    one_sided: int = 0  # faces that no turning makes agree with their neighbours, as on a Moebius strip
+    mended: int | None = None  # gaps that `robodyn inertia` fills; None where there are too many triangles to tell
+    left: int = 0  # gaps that are too large for that
+    missing: float = 0.0  # the share of the surface of the open parts that they are
+    doubt: str = ""  # why the file may hold another mesh than was read
+    digest: str = ""  # of the file's content; empty where nothing is kept by it
 
 
 def mesh_facts(path: Path) -> MeshFacts:

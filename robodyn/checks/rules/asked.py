@@ -48,10 +48,8 @@ def limits_along_motion(context: Context) -> Faults:
         name: str = excess.quantity
         if name == "position":
             name = "lower" if excess.value < excess.limit else "upper"
-        what = (
-            f"the motion of {context.asked.trajectory} reaches {excess.quantity} {excess.value:.4g} "
-            f"{excess.unit}, beyond the limit {excess.limit:g}"
-        )
+        what = f"the motion of {context.asked.trajectory} reaches {excess.quantity} {excess.value:.4g} "
+        what += f"{excess.unit}, beyond the limit {excess.limit:g}"
         remedy = "slow the motion down or raise the limit; robodyn torques says when"
         yield Fault(getattr(joint.limit, name).span, what, remedy, excess.value, excess.limit)
 
@@ -130,10 +128,7 @@ _PLAIN = ("-c", "safe.bareRepository=explicit", "-c", "core.fsmonitor=false")
 
 def model_at(context: Context, ref: str) -> Model | str:
     """Return the robot of a file at a git revision, of xacro with what it includes there, or of another file; or why
-    there is none.
-
-    Raises:
-        InputError: git is not there, the file is in no repository, or that has no such revision."""
+    there is none. InputError without git, a repository that the file is in, or such a revision."""
     from io import BytesIO
     from tarfile import open as open_archive
     from tempfile import TemporaryDirectory

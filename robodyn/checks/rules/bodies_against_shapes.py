@@ -32,8 +32,7 @@ from robodyn.solids.inertia.validity import Box
 from robodyn.support.floats import Floats, first_largest
 from robodyn.support.wording import figure, one_of
 
-FAR = 4.0
-"""Times the bound that are an error."""
+FAR = 4.0  # times the bound that are an error
 _SLIGHT = 1.1
 _EDGE = 1e-3  # of the squared side of a box: a centre of mass this near a face may as well be in the middle
 _ADVICE = "check the unit (kg m^2) and the point (the centre of mass) of the inertia, and the mass"
@@ -67,10 +66,9 @@ def _beyond_reach(body: Body, S: Floats) -> Fault | None:
     if spread <= group and spread <= FAR * own:
         return None
     bound, which = (group, "its rigid group") if spread > group else (own, "the link")
-    what = (
-        f"its inertia is that of mass {spread**0.5:.3g} m from its centre (root mean square), but the shapes of {which}"
-        f" reach {bound**0.5:.3g} m from there: {figure(spread / bound)} times the second moment that is possible"
-    )
+    what = f"its inertia is that of mass {spread**0.5:.3g} m from its centre (root mean square), but the shapes of "
+    many = figure(spread / bound)
+    what += f"{which} reach {bound**0.5:.3g} m from there: {many} times the second moment that is possible"
     return _fault(body, ERROR if spread > FAR * group else WARNING, what, spread, bound)
 
 
@@ -155,7 +153,8 @@ def inertia_below_shell(context: Context) -> Faults:
     the moment of inertia is at least a twentieth of that of the solid with the link's mass. Less means that nearly all
     mass is in one spot or, where it is one axis only, on a line. Where a shape encloses no definite volume, the largest
     principal moment is at least a tenth of that of the largest shell that fits into the box around the shapes, 2/3 m
-    r^2; without shapes that of a ball of tungsten. A point is RD204's, a mass beyond any solid RD304's."""
+    r^2; without shapes at least that of a ball of tungsten, where a hundredth of it or less is RD209's and RD210's. A
+    point is RD204's, a mass beyond any solid RD304's."""
     known = context.once(shaped)
     for body in judged(context):
         tensor, shape = body.link.tensor, known.get(body.link.name)
@@ -181,10 +180,8 @@ def _below_solid(body: Body, solid: Uniform) -> tuple[float, float, str] | None:
     if not 0 < measured < _LEAST * right:
         return None
     about = " ".join(f"{x + 0.0:.2g}" for x in np.round(axes[k], 3).tolist())
-    what = (
-        f"the moment {measured:.3g} kg m^2 about the axis ({about}) is {measured / right:.2g} of that of a solid of "
-        f"its shapes and mass, {right:.3g}"
-    )
+    what = f"the moment {measured:.3g} kg m^2 about the axis ({about}) is {measured / right:.2g} of that of a solid of "
+    what += f"its shapes and mass, {right:.3g}"
     return measured, _LEAST * right, what
 
 
@@ -236,9 +233,7 @@ def density_out_of_band(context: Context) -> Faults:
             continue
         dense = density > limits.most_density
         _, inertial = group.heaviest
-        what = (
-            f"what moves with it weighs {group.mass:.4g} kg, which is {figure(density)} kg/m^3 of the box around "
-            f"its shapes, {'denser than solid steel' if dense else 'lighter than foam'}"
-        )
+        what = f"what moves with it weighs {group.mass:.4g} kg, which is {figure(density)} kg/m^3 of the box around "
+        what += f"its shapes, {'denser than solid steel' if dense else 'lighter than foam'}"
         remedy = "check the unit of the mass (kg) and the size of the shapes"
         yield Fault(inertial.mass.span, what, remedy, density, limits.most_density if dense else limits.least_density)

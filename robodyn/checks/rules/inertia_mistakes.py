@@ -22,8 +22,7 @@ from robodyn.support.wording import figure, one_of
 
 DIFFERENT = 0.10
 """How far a tensor may be from its twin's mirror image before something is wrong, relative to its largest entry."""
-SAME = 0.02
-"""How near a correction must come to the twin's mirror image."""
+SAME = 0.02  # how near a correction must come to the twin's mirror image
 _BEYOND = 1.0  # a tensor that is as far from that of the link's shapes as this is large, is beyond them
 _DIGITS = 12
 _HIDDEN = frozenset({"RD307", "RD309", "RD313"})  # the causes that leave a tensor possible
@@ -99,16 +98,13 @@ def _explained(
 def explained(context: Context, fault: Fault, link: LinkView) -> Fault:
     """Return the fault of a link's tensor that no body has, with its cause and the fix for it; where nothing explains
     it alone, with what may; where there is at most one such cause, with the tensor of its twin or its shapes."""
-    cause, said = context.once(causes).get(link.name), given(link)
+    cause, said, verdict = context.once(causes).get(link.name), given(link), context.once(weighed).get(link.name)
     if cause is not None:
         return replace(fault, cause=f"{cause.what} ({cause.code})", fix=cause.fix)
     if said is None:
         return fault
-    verdict = context.once(weighed).get(link.name)
-    if verdict is None:
-        may_be = [one.what for one, _ in _explained(context, link, said) if one.code not in _HIDDEN]
-    else:
-        may_be = [one.what for one in verdict.causes]
+    alone = (one for one, _ in _explained(context, link, said) if one.code not in _HIDDEN) if verdict is None else ()
+    may_be = [one.what for one in (alone if verdict is None else verdict.causes)]
     if verdict is not None or len(may_be) <= _MOST_LISTED:
         fault = replace(fault, cause=one_of(may_be))
     return fault if len(may_be) > 1 else replace(fault, fix=_of_another(context, link, said))
@@ -135,9 +131,8 @@ def faults(context: Context, code: str) -> Iterator[Fault]:
     """Yield the findings of one cause: of tensors that a body could have, for RD206 and RD207 report the others."""
     for link in context.view.links:
         cause = context.once(causes).get(link.name)
-        if cause is None or cause.code != code or not cause.physical:
+        if link.inertial is None or cause is None or cause.code != code or not cause.physical:
             continue
-        assert link.inertial is not None, "it has a tensor"
         changed = [k for k in range(6) if cause.tensor and link.tensor and cause.tensor[k] != link.tensor[k]]
         if code == "RD313":
             remedy = "write its mirror image, or allow it where the same part is mounted on both sides"
@@ -195,9 +190,8 @@ def _by_twin(context: Context, link: LinkView, said: Given, twin: Pair, physical
     mistake, I = found[0]
     tensor = _entries(I, said)
     fix = None if physical and mistake.code not in _ONE_SIDED else _fix(link, tensor, mistake.what)
-    why = "no body can have this tensor, but one can have the corrected one"
-    if physical:
-        why = "corrected, it is the mirror image of its twin's"
+    possible = "no body can have this tensor, but one can have the corrected one"
+    why = "corrected, it is the mirror image of its twin's" if physical else possible
     return Cause(mistake.code, f"{mistake.what}: {why}", tensor, fix, physical, physical)
 
 
@@ -227,8 +221,8 @@ def unit_slip(context: Context) -> Faults:
     and all their products for kg m^2, in one of the three quantities or in several. The link is weighed by the uniform
     solid that its own shapes are: by density, centre, size and form. A unit is named where it is nine times as probable
     as everything else together, any factor that belongs to no unit included; or else the candidates are listed in a
-    warning. Multiples of the identity and round numbers are made up, not in other units. RD301 to RD304 are silent
-    then."""
+    warning. Tensors near a multiple of the identity and round numbers are made up, not in other units. RD301 to RD304
+    are silent about such a link."""
     for name, verdict in context.once(weighed).items():
         if not verdict.units:
             continue

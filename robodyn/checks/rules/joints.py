@@ -151,10 +151,10 @@ def mimic_cycle(context: Context) -> Faults:
     joints = context.view.joint
     leaders = {name: joint.mimic.joint for name, joint in joints.items() if joint.mimic is not None}
     for cycle in cycles(leaders):
-        first = min((joints[name] for name in cycle), key=lambda joint: joint.element.start)
-        assert first.mimic is not None, "it follows a joint"
+        mimic = min((joints[name] for name in cycle), key=lambda joint: joint.element.start).mimic
         what = "it mimics itself" if len(cycle) == 1 else f"joints mimic each other in a cycle: {listed(cycle)}"
-        yield Fault(value_span(first.mimic.element, "joint"), what, "let one of them be free")
+        if mimic is not None:
+            yield Fault(value_span(mimic.element, "joint"), what, "let one of them be free")
 
 
 @rule("RD512", WARNING, good=longer_arm(inside=_FOLLOWER), bad=('"0.5"', '"1.5"'))
@@ -175,10 +175,8 @@ def follower_range(context: Context) -> Faults:
         least, most = sorted(multiplier[0] * end + offset[0] for end in leader)
         beyond = max(own[0] - least, most - own[1])
         if beyond > context.thresholds.mimic_range:
-            what = (
-                f"following joint '{mimic.joint}' through its range, it goes from {least:.6g} to {most:.6g}, "
-                f"beyond its own limits {own[0]:.6g} and {own[1]:.6g} by {beyond:.3g}"
-            )
+            what = f"following joint '{mimic.joint}' through its range, it goes from {least:.6g} to {most:.6g}, "
+            what += f"beyond its own limits {own[0]:.6g} and {own[1]:.6g} by {beyond:.3g}"
             remedy = "correct multiplier or offset, or the limits of one of the two"
             yield Fault(mimic.multiplier.span, what, remedy, beyond, context.thresholds.mimic_range)
 
@@ -222,10 +220,8 @@ def turning_slide(context: Context) -> Faults:
             continue
         size = ends[1] - ends[0]
         if 0 < size <= _RANGE and min(map(abs, ends)) <= _FROM_ZERO * size:
-            what = (
-                f"it is revolute, but goes from {ends[0]:g} to {ends[1]:g} at {speed:g} as a slide does in metres; in "
-                f"radians that is {degrees(size):.3g} degrees at {degrees(speed):.3g} a second"
-            )
+            what = f"it is revolute, but goes from {ends[0]:g} to {ends[1]:g} at {speed:g} as a slide does in metres; "
+            what += f"in radians that is {degrees(size):.3g} degrees at {degrees(speed):.3g} a second"
             yield Fault(value_span(joint.element, "type"), what, 'write type="prismatic" if it slides', size, _RANGE)
 
 
@@ -267,9 +263,8 @@ def idle_axis(context: Context) -> Faults:
             (a, p), (b, q) = lines[above], lines[group]
             if abs(product(a, b)) >= _PARALLEL and length(np.cross(a, q - p)) <= near:
                 for one, other in ((joint, above.joint), (above.joint, joint)):
-                    what = (
-                        f"it turns about the line of joint {shown(other.name)}, next to it: one of the two does nothing"
-                    )
+                    line = f"the line of joint {shown(other.name)}, next to it"
+                    what = f"it turns about {line}: one of the two does nothing"
                     at = one.element.span if one.axis.element is None else one.axis.span
                     yield Fault(at, what, "check the axes of both, and the rpy of the outer one")
         if shape is not None and not group.children and joint.axis.element is not None:

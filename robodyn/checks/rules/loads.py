@@ -51,16 +51,13 @@ class Sweep:
         """Give each joint in turn, from the base to the tips, its best position; return (rows,) torque / g before,
         times the sign that the row is to have; 0 before the first."""
         x = self._inward()
-        before: Floats = self._sign * self._torques(x)
+        before: Floats = self._sign * self.torques(x)
         self._outward(x)
         return before
 
-    def torques(self) -> Floats:
+    def torques(self, x: Mapping[int, Floats] | None = None) -> Floats:
         """(rows,) torque / g at q."""
-        return self._torques(self._inward())
-
-    def _torques(self, x: Mapping[int, Floats]) -> Floats:
-        torques = np.zeros(self.q.shape[1])
+        x, torques = self._inward() if x is None else x, np.zeros(self.q.shape[1])
         for t, up in self._up.items():
             torques[self._rows[t]] = (up * x[t][:, 1, self._rows[t]]).sum(axis=0)
         return torques
@@ -206,8 +203,7 @@ def position_ranges(model: Model) -> tuple[Floats, Floats]:
 
 def starts(low: Floats, high: Floats) -> Floats:
     """(STARTS, n) the middle, and points spread evenly by multiples of irrational numbers."""
-    n = len(low)
-    spread = np.outer(np.arange(STARTS), np.sqrt(np.arange(2, n + 2))) % 1.0
+    spread = np.outer(np.arange(STARTS), np.sqrt(np.arange(2, len(low) + 2))) % 1.0
     spread[0] = 0.5
     return np.asarray(low + spread * (high - low))
 
@@ -317,17 +313,14 @@ def static_torque(context: Context) -> Faults:
                 values.append(f"{other.name} = {text}")
         more = f" and {len(values) - _MOST_JOINTS} more" if len(values) > _MOST_JOINTS else ""
         pose = ", ".join(values[:_MOST_JOINTS]) + more if values else "q = 0"
-        what = (
-            f"the robot's own weight asks for {abs(torque):.4g} {unit} at rest, more than the effort limit "
-            f"{joint.effort:g}, at {pose}"
-        )
+        what = f"the robot's own weight asks for {abs(torque):.4g} {unit} at rest, more than the effort limit "
+        what += f"{joint.effort:g}, at {pose}"
         remedy = "raise the limit, lower masses or levers, or narrow the ranges; a counterbalance deserves a waiver"
         severity = None if abs(torque) >= _MUCH * joint.effort else NOTE
         yield Fault(limit.effort.span, what, remedy, abs(torque), joint.effort, severity=severity, kind=_KIND)
 
 
-FACTOR = 1000.0
-"""An effort limit of more than this many times the robot's weight at the joint's reach bounds nothing."""
+FACTOR = 1000.0  # an effort limit of more than this many times the robot's weight at the joint's reach bounds nothing
 
 
 @rule(
@@ -352,15 +345,12 @@ def absurd_effort(context: Context) -> Faults:
         if not FACTOR * most < joint.effort <= context.thresholds.most_effort or not most > 0.0:
             continue
         unit = "N" if joint.kind == "prismatic" else "N m"
-        what = (
-            f"the effort limit {joint.effort:g} {unit} is {figure(joint.effort / most, 2)} times what the weight "
-            f"of the whole robot asks for at the reach of this joint, {most:.3g} {unit}"
-        )
+        what = f"the effort limit {joint.effort:g} {unit} is {figure(joint.effort / most, 2)} times what the weight "
+        what += f"of the whole robot asks for at the reach of this joint, {most:.3g} {unit}"
         yield Fault(limit.effort.span, what, "write what the actuator can give", joint.effort, FACTOR * most)
 
 
-STEP = 1e-3
-"""s; the usual step of a simulation."""
+STEP = 1e-3  # s; the usual step of a simulation
 
 
 @rule(
@@ -396,13 +386,9 @@ def stiff_damping(context: Context) -> Faults:
             continue
         view = context.view.joint[joint.name]
         unit = "kg" if joint.kind == "prismatic" else "kg m^2"
-        what = (
-            f"damping {joint.damping:g} on a reflected inertia of {inertia:.3g} {unit}: explicit integration "
-            f"diverges with steps above {step:.2g} s"
-        )
-        remedy = (
-            "add the rotor's inertia (rotorInertia and mechanicalReduction of its transmission), lower the "
-            "damping, or integrate implicitly"
-        )
+        what = f"damping {joint.damping:g} on a reflected inertia of {inertia:.3g} {unit}: explicit integration "
+        what += f"diverges with steps above {step:.2g} s"
+        remedy = "add the rotor's inertia (rotorInertia and mechanicalReduction of its transmission), lower the "
+        remedy += "damping, or integrate implicitly"
         at = view.element.span if view.damping.element is None else view.damping.span
         yield Fault(at, what, remedy, step, STEP)

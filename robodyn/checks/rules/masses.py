@@ -86,9 +86,8 @@ def massless_group(context: Context) -> Faults:
         what += f"; MuJoCo {does}, Gazebo drops it" + " and what it carries" * onward
         remedy = "add an <inertial>" if onward else "add an <inertial>, or make the joint fixed"
         severity = WARNING if onward else ERROR
-        yield Fault(
-            group.links[0].name_span, what, remedy, measured=0.0, severity=severity, kind="a joint moves no mass"
-        )
+        at, kind = group.links[0].name_span, "a joint moves no mass"
+        yield Fault(at, what, remedy, measured=0.0, severity=severity, kind=kind)
 
 
 @rule("RD203", ERROR, good=one_link(), bad=(INERTIA, ""), explains=("RD901",))
@@ -130,17 +129,17 @@ def tiny_body(context: Context) -> Faults:
     for group in context.tree.groups:
         if group.joint is None or not group.mass or group.mass < 0:
             continue
-        radius = gyration(context, group)
-        inertial, numbers = group.heaviest[1], None
+        radius, (_, inertial) = gyration(context, group), group.heaviest
         if group.mass < limits.least_mass:
             numbers, quantity, value, bound, unit = inertial.mass, "mass", group.mass, limits.least_mass, "kg"
         elif radius is not None and POINT < radius < limits.least_gyration:
             quantity, value, bound, unit = "radius of gyration", radius, limits.least_gyration, "m"
             numbers = inertial.entries[0]
-        if numbers is not None:
-            what = f"what moves with it has a {quantity} of {value:.3g} {unit}, less than {bound:g} {unit}"
-            remedy = "check the unit (kg, m); write the inertia of the part, or fix the link to its neighbour"
-            yield Fault(numbers.span, what, remedy, value, bound)
+        else:
+            continue
+        what = f"what moves with it has a {quantity} of {value:.3g} {unit}, less than {bound:g} {unit}"
+        remedy = "check the unit (kg, m); write the inertia of the part, or fix the link to its neighbour"
+        yield Fault(numbers.span, what, remedy, value, bound)
 
 
 @rule("RD210", WARNING, TREE, good=longer_arm(), bad=('"1"', '"5000"'))
@@ -227,7 +226,6 @@ def mass_repeated(context: Context) -> Faults:
 _OTHERS, _MOST = 3, 0.9
 """Least number of other links with shapes, and the share of those with an <inertial>. Of 86 published robots one has
 moving links with shapes and no <inertial> beside others that have one, and of its links with shapes half have one."""
-
 _LONG = 0.5  # how long it is at least, by the longest link of its rigid group
 
 
@@ -255,10 +253,8 @@ def unweighed_part(context: Context) -> Faults:
         longest = max((boxes.get(link.name, 0.0) for link in group.links), default=0.0)
         for link in group.links if group.joint is not None and group.mass else ():
             if link.inertial is None and boxes.get(link.name, 0.0) >= _LONG * longest > 0:
-                what = (
-                    f"it has shapes and no <inertial>, and {weighed} of {others} other links with shapes have one: "
-                    f"what moves with it weighs {group.mass:.4g} kg without it"
-                )
+                what = f"it has shapes and no <inertial>, and {weighed} of {others} other links with shapes have one: "
+                what += f"what moves with it weighs {group.mass:.4g} kg without it"
                 yield Fault(link.name_span, what, "write its <inertial>", measured=0.0)
 
 
@@ -280,10 +276,8 @@ def zero_tensor(context: Context) -> Faults:
         what = f"a mass of {link.mass:g} kg has no moments of inertia: it would be a point"
         remedy = "write the inertia of the part; robodyn inertia computes it from its mesh"
         group = None if context.tree_or_none is None else context.tree.group[link.name]
-        severity = None if group is None or group.joint is not None else WARNING
-        if group is None or group.mass is None:
-            severity = NOTE if group is None else None
-        elif group.mass > 2 * link.mass and (gyration(context, group) or 0.0) > POINT:
+        severity = WARNING if group is not None and group.mass is not None and group.joint is None else None
+        if group is None or ((group.mass or 0.0) > 2 * link.mass and (gyration(context, group) or 0.0) > POINT):
             severity = NOTE
         yield Fault(link.inertial.entries[0].span, what, remedy, measured=0.0, severity=severity)
 
@@ -317,10 +311,8 @@ def not_positive_definite(context: Context) -> Faults:
         if broken_law(tensor, context.thresholds) != "RD206":
             continue
         small, middle, large = principal_moments(tensor)
-        what = (
-            "the inertia matrix is not positive definite: its principal moments are "
-            f"{small:.6g}, {middle:.6g}, {large:.6g} kg m^2"
-        )
+        what = "the inertia matrix is not positive definite: its principal moments are "
+        what += f"{small:.6g}, {middle:.6g}, {large:.6g} kg m^2"
         remedy = "every principal moment of a body is positive; write its inertia about the centre of mass"
         bound = context.thresholds.positive_definite * large
         fault = Fault(inertial.entries[widest(tensor)].span, what, remedy, small, bound)
@@ -342,17 +334,14 @@ def triangle_inequality(context: Context) -> Faults:
         small, middle, large = principal_moments(tensor)
         largest = max((0, 3, 5), key=lambda k: tensor[k])
         lack = figure(100 - 100 * (small + middle) / large, 2)
-        what = (
-            f"no body has the principal moments {small:.6g}, {middle:.6g}, {large:.6g} kg m^2: the two smaller "
-            f"add up to {small + middle:.6g}, {lack} % less than the largest"
-        )
+        what = f"no body has the principal moments {small:.6g}, {middle:.6g}, {large:.6g} kg m^2: the two smaller "
+        what += f"add up to {small + middle:.6g}, {lack} % less than the largest"
         remedy = "the largest may not exceed the sum of the others; robodyn inertia computes them from a mesh"
         fault = Fault(inertial.entries[largest].span, what, remedy, large, small + middle)
         yield explained(context, fault, link)
 
 
 _FRACTION = 0.01  # of the mass of its rigid group; a placeholder on less than this is a remark
-
 _NEAR = 0.05
 
 
@@ -381,9 +370,8 @@ def placeholder_tensor(context: Context) -> Faults:
         if pattern is None and not paired and _pasted(context, link, twin):
             pattern = f"mass, centre and inertia are those of link '{twin.name}', which has other shapes"
         if pattern is None and twin.mass and unlike and not paired:
-            pattern = (
-                f"the same six numbers as link '{twin.name}', whose mass is {twin.mass:g} kg and not {link.mass:g}"
-            )
+            whose = f"whose mass is {twin.mass:g} kg and not {link.mass:g}"
+            pattern = f"the same six numbers as link '{twin.name}', {whose}"
         said, shape = given(link), context.once(shaped).get(link.name)
         own = said and shape and shape.solid.along(said.R).apart(said.tensor, said.mass) <= _NEAR
         if pattern is not None and not own:

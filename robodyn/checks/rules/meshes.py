@@ -79,9 +79,8 @@ def _of_strange_packages(context: Context) -> Faults:
             remedy = " ".join([*remedies, "say where it is with --package-path"])
             yield Fault(at, what, remedy, severity=WARNING, subject=None)
         elif unseen:
-            what = (
-                f"{count(len(unseen), 'mesh is', 'meshes are')} not looked at: nothing is known beside standard input"
-            )
+            many = count(len(unseen), "mesh is", "meshes are")
+            what = f"{many} not looked at: nothing is known beside standard input"
             yield Fault(at, what, "check the file by its name", severity=NOTE, subject=None)
 
 

@@ -84,14 +84,10 @@ def mirror_moments(context: Context) -> Faults:
     for one in context.once(twins):
         apart = one.apart(*one.moments)
         if apart > MOMENTS and _unexplained(context, one):
-            left, right = (
-                ", ".join(f"{moment:.4g}" for moment in (mass * moments).tolist())
-                for mass, moments in zip(one.masses, one.moments, strict=True)
-            )
-            what = (
-                f"the principal moments are {right} kg m^2, those of its mirror twin {one.other} {left}, "
-                f"up to {figure(100 * apart, 2)} % apart"
-            )
+            each = (mass * moments for mass, moments in zip(one.masses, one.moments, strict=True))
+            left, right = (", ".join(f"{moment:.4g}" for moment in moments.tolist()) for moments in each)
+            what = f"the principal moments are {right} kg m^2, those of its mirror twin {one.other} {left}, "
+            what += f"up to {figure(100 * apart, 2)} % apart"
             yield Fault(one.inertial.entries[0].span, what, _ONE_OF_TWO.format("parts"), apart, MOMENTS)
 
 
@@ -124,27 +120,21 @@ def mirror_image(context: Context) -> Faults:
         if one.shift > one.most_shift and not reported:
             origin = one.inertial.origin
             copied = "one is a copy of the other that is not reflected" if one.centre_is_copied else None
-            what = (
-                f"the centre of mass is at {place(one.c_right.tolist())} m, "
-                f"{'that' if one.pair.is_alike else _IMAGE} of {one.other} at {place(one.c.tolist())}, "
-                f"{one.shift:.3g} m away"
-            )
+            what = f"the centre of mass is at {place(one.c_right.tolist())} m, "
+            what += f"{'that' if one.pair.is_alike else _IMAGE} of {one.other} at {place(one.c.tolist())}, "
+            what += f"{one.shift:.3g} m away"
             at = one.inertial.element.span if origin.element is None else origin.xyz.span
             yield Fault(at, what, _REFLECT, one.shift, one.most_shift, cause=copied)
         wrong = one.wrong_signs
         if wrong and one.tensors_apart <= MOMENTS and not reported:
-            what = (
-                f"{' and '.join(wrong)} {'has' if len(wrong) == 1 else 'have'} not the sign of the mirror image of "
-                f"{one.other}, although all else of the two is its image to the last digit"
-            )
+            what = f"{' and '.join(wrong)} {'has' if len(wrong) == 1 else 'have'} not the sign of the mirror image of "
+            what += f"{one.other}, although all else of the two is its image to the last digit"
             at = one.inertial.entries[INERTIA.index(wrong[0])].span
             yield Fault(at, what, _REFLECT, one.tensors_apart, 0.0)
         apart = one.tensors_apart
         if apart > MOMENTS >= one.apart(*one.moments) and _unexplained(context, one):
-            what = (
-                f"the inertia tensor is {figure(100 * apart, 2)} % from the mirror image of that of "
-                f"{one.other}, although their principal moments agree"
-            )
+            what = f"the inertia tensor is {figure(100 * apart, 2)} % from the mirror image of that of "
+            what += f"{one.other}, although their principal moments agree"
             yield Fault(one.inertial.entries[0].span, what, _REFLECT, apart, MOMENTS)
 
 
@@ -161,10 +151,8 @@ def copied_from_twin(context: Context) -> Faults:
         if cause is None or cause.code != "RD313" or (one.tensors_apart <= MOMENTS and not one.centre_is_copied):
             continue
         centre = f"the centre of mass, {one.shift:.3g} m away, and " if one.centre_is_copied else ""
-        what = (
-            f"{centre}the inertia tensor, {figure(100 * one.tensors_apart, 2)} % from its mirror image, "
-            f"{'are copies of those' if centre else 'is a copy of that'} of its twin {one.other}"
-        )
+        what = f"{centre}the inertia tensor, {figure(100 * one.tensors_apart, 2)} % from its mirror image, "
+        what += f"{'are copies of those' if centre else 'is a copy of that'} of its twin {one.other}"
         yield Fault(one.inertial.entries[0].span, what, _REFLECT, one.tensors_apart, kind="a copy of its twin")
 
 
@@ -187,8 +175,10 @@ def mirror_joint(context: Context) -> Faults:
     Where the axis of a joint is the image of its twin's, equal positions of twins are mirror images and so are equal
     limits; where it is the image reversed, lower and upper change places and signs; on a part that is mounted on both
     sides either is right. Copying limits from left to right where the axes ask for a change of sign is a common slip: a
-    knee then bends the wrong way. So is a joint that was fixed for a test, while its twin still moves. Twins are found
-    as RD401 says. Ranges that RD503, RD504 or RD507 report are not compared."""
+    knee then bends the wrong way. So is a joint that was fixed for a test, while its twin still moves. Limits may
+    differ by 0.02 rad or m, or by 2 % of the range where that is more, effort and velocity by 2 %. Of two joints whose
+    numbers differ both are named. Twins are found as RD401 says. Ranges that RD503, RD504 or RD507 report are not
+    compared."""
     found = context.once(symmetry)
     for pair in both_ways(context):
         assert found is not None, "it has pairs"
@@ -223,10 +213,8 @@ def _range(left: JointView, limit: LimitView, ways: Sequence[int], twin: str) ->
     if max(off) <= slack:
         return
     k, image = off.index(max(off)), images[offs.index(off)]
-    what = (
-        f"the range is {here[0]:g} to {here[1]:g}, {_IMAGE if len(ways) == 1 else 'that'} of its twin {twin} "
-        f"{image[0]:g} to {image[1]:g}"
-    )
+    what = f"the range is {here[0]:g} to {here[1]:g}, {_IMAGE if len(ways) == 1 else 'that'} of its twin {twin} "
+    what += f"{image[0]:g} to {image[1]:g}"
     copied = ways == [-1] and max(abs(here[0] - low), abs(here[1] - high)) <= slack
     cause = "the ranges are equal, but the axes ask for a change of sign" if copied else None
     at = (limit.lower, limit.upper)[k]
@@ -253,9 +241,11 @@ def mirror_origin(context: Context) -> Faults:
     A wrong sign in the origin of one leg's joint moves the rest of the leg to the wrong side of it, and nothing else
     tells. Joints are twins if the names of the links that they carry are each other's but for left and right; the
     mirror plane is the robot's own, as RD401 finds it. Reported are joints whose parent is one link in that plane or on
-    two links that are twins. Passed over are fixed ones that carry no mass, such as sensors; what is mounted alike on a
-    part that is itself mounted on both sides, as fingers on a gripper; and askew frames that no sign in rpy
-    explains."""
+    two links that are twins, and whose origin is 0.2 % of the robot's size or more from the image of the other's, or
+    whose rpy has a wrong sign; and those that are turned, where centre, shapes and joints of what they carry are the
+    image once they are turned back. Passed over are fixed ones that carry no mass, such as sensors; what is mounted
+    alike on a part that is itself mounted on both sides, as fingers on a gripper; and frames that lie askew in other
+    ways."""
     found, heavy = context.once(symmetry), set[str]()
     if found is None:
         return
@@ -284,10 +274,8 @@ def _turned(view: JointView, left: Joint, right: Joint, wanted: Floats) -> Fault
     """The right joint's frame is turned from the one for which all that its link has is the left one's image."""
     cosine = (float(np.trace(product(rotation_from_rpy(*right.origin.rpy).T, wanted))) - 1.0) / 2.0
     by = degrees(acos(min(1.0, max(-1.0, cosine))))
-    what = (
-        f"it is turned by {by:.3g} degrees from the mirror image of its twin {shown(left.name)} (line {left.line}): "
-        "turned back, centres and joints of what it carries are the images of the twin's"
-    )
+    what = f"it is turned by {by:.3g} degrees from the mirror image of its twin {shown(left.name)} (line {left.line}): "
+    what += "turned back, centres and joints of what it carries are the images of the twin's"
     rpy = " ".join(f"{angle + 0.0:.6g}" for angle in np.round(rpy_from_rotation(wanted), 9).tolist())
     at = view.element.span if view.origin.element is None else view.origin.rpy.span
     return Fault(at, what, f'write rpy="{rpy}" if the twin is right, or turn that one', radians(by), 0.0)
@@ -301,10 +289,8 @@ def _misplaced(found: Symmetry, left: Joint, right: Joint, view: JointView) -> F
     at = view.element.span if view.origin.element is None else view.origin.xyz.span
     if off > found.near:
         flips = (signs for signs, xyz in _flips(right.origin.xyz, "xyz") if length(xyz - expected) <= found.near)
-        what = (
-            f"the origin is at {place(right.origin.xyz)} m; that of its mirror twin {twin} asks for "
-            f"{place(expected.tolist())}, {off:.3g} m away"
-        )
+        what = f"the origin is at {place(right.origin.xyz)} m; that of its mirror twin {twin} asks for "
+        what += f"{place(expected.tolist())}, {off:.3g} m away"
         signs = next(flips, None)
         cause = f"the sign of {signs} is not that of a mirror image" if signs else None
         yield Fault(at, what, _CORRECT_SIDE, off, 0.0, cause=cause)

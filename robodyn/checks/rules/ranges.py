@@ -37,16 +37,16 @@ def no_range(context: Context) -> Faults:
     """The limits of a joint leave it a range, and end somewhere.
 
     A revolute or prismatic joint needs lower and upper; an absent one is 0, and with both absent the joint is frozen. A
-    stand-in such as 1e16 passes for a range. What turns freely, as a wheel, is `continuous` and has neither."""
+    stand-in such as 1e16, beyond the threshold `most-range` of 1e4, passes for a range. What turns freely, as a wheel
+    or a propeller, is `continuous` and has neither."""
     for joint in context.view.joints:
         limit = joint.limit
         if limit is None or limit.range is None or joint.type not in WITH_RANGE:
             continue
         lower, upper = limit.range
-        turns, free = joint.type == "revolute", ""
+        turns = joint.type == "revolute"
         if lower == upper:
-            if turns and not lower:
-                free = "; one that turns freely is continuous"
+            free = "; one that turns freely is continuous" if turns and not lower else ""
             what, remedy = f"lower and upper are both {lower:g}: it cannot move", f"correct one, or make it fixed{free}"
             if not limit.lower.given and not limit.upper.given:
                 what, remedy = "it has neither lower nor upper, which are 0 then: it cannot move", f"write both{free}"
@@ -54,10 +54,8 @@ def no_range(context: Context) -> Faults:
             continue
         ends = (end for end in (limit.lower, limit.upper) if abs(end.value or 0.0) > context.thresholds.most_range)
         for end in islice(ends, 1):
-            what, remedy = f"{end.attribute} is {end.value:g}, which limits nothing", "write the real limits"
-            if turns:
-                remedy = f"make a joint that turns freely continuous, or {remedy}"
-            yield Fault(end.span, what, remedy, measured=end.value)
+            remedy = f"{'make a joint that turns freely continuous, or ' if turns else ''}write the real limits"
+            yield Fault(end.span, f"{end.attribute} is {end.value:g}, which limits nothing", remedy, measured=end.value)
 
 
 _ONE_TURN = 2 * pi * (1 + 1e-3)
@@ -177,10 +175,8 @@ def continuous_with_range(context: Context) -> Faults:
             continue
         lower, upper = limit.range
         if 0 < upper - lower < _ALMOST_A_TURN:
-            what = (
-                f"it is continuous, and so turns freely, but has a range from {lower:g} to {upper:g} rad, "
-                "which is less than a turn and ignored"
-            )
+            what = f"it is continuous, and so turns freely, but has a range from {lower:g} to {upper:g} rad, "
+            what += "which is less than a turn and ignored"
             remedy = 'write type="revolute" if the part has stops; otherwise remove lower and upper'
             at = limit.lower if limit.lower.given else limit.upper
             yield Fault(at.span, what, remedy, upper - lower, 2 * pi)
@@ -307,8 +303,7 @@ def limit_unit(context: Context) -> Faults:
     carries all other joints, which are 20 times the robot's longest offset between joints, or as fast per second, which
     are in mm. Powers of ten and all nines are stand-ins, and left to RD803."""
     for slip in context.once(limit_slips):
-        name, value = slip.numbers.attribute, slip.numbers.value
-        assert value is not None, "it is a slip of it"
+        name, value = slip.numbers.attribute, slip.numbers.value or 0.0
         what = f"{name} is {value:g} {slip.meant}, which looks like {slip.wrote}: {slip.why}"
         remedy = f"write {value / slip.factor:.6g} if that is so"
         yield Fault(slip.numbers.span, what, remedy, value, value / slip.factor)

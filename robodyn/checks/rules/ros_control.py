@@ -62,15 +62,12 @@ def names_nothing(context: Context) -> Faults:
     if not found.is_namesake and missing[1:]:
         missing, more = missing[:1], f", and {len(missing) - 1} more names that are not in the robot"
     for used in missing:  # one warning of an SRDF of another name, which may be of a variant of the robot
-        names = view.link if used.kind == "link" else view.joint
-        yield Fault(
-            value_span(used.element, used.attribute),
-            f"there is no {used.kind} {shown(used.name)} in the robot {shown(view.root.get('name') or '')}{more}",
-            alternatives(used.name, names, f"{used.kind}s"),
-            subject=Subject(used.element.tag, used.element.get("name") or ""),
-            severity=None if found.is_namesake and used.element.tag not in _PAIRS_ONLY else WARNING,
-            document=found.document,
-        )
+        names, tag = view.link if used.kind == "link" else view.joint, used.element.tag
+        what = f"there is no {used.kind} {shown(used.name)} in the robot {shown(view.root.get('name') or '')}{more}"
+        at, subject = value_span(used.element, used.attribute), Subject(tag, used.element.get("name") or "")
+        severity = None if found.is_namesake and tag not in _PAIRS_ONLY else WARNING
+        remedy = alternatives(used.name, names, f"{used.kind}s")
+        yield Fault(at, what, remedy, subject=subject, severity=severity, document=found.document)
 
 
 def _uses(owner: Element) -> Iterator[Named]:
@@ -89,11 +86,8 @@ def _uses(owner: Element) -> Iterator[Named]:
                 for name in element.text.replace(",", " ").split() if kind and not element.children else ():
                     if name.rpartition("::")[2] not in {"world", *made}:
                         yield Named(kind, name.rpartition("::")[2], element, "")
-                if (
-                    element.tag == "virtualJoint"
-                    and (called := element.find("name")) is not None
-                    and called.text.strip()
-                ):
+                called = element.find("name") if element.tag == "virtualJoint" else None
+                if called is not None and called.text.strip():
                     yield Named("joint", called.text.strip(), called, "")
 
 
@@ -168,8 +162,7 @@ def _subject(transmission: Element) -> Subject:
     return Subject("transmission", transmission.get("name") or "")
 
 
-Numeric = tuple[float | None, float | None]
-"""What is measured, and its bound."""
+Numeric = tuple[float | None, float | None]  # what is measured, and its bound
 
 
 class Controlled(NamedTuple):

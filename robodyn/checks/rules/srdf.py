@@ -9,7 +9,7 @@ from robodyn.checks.bodies.bodies import box_of, real_shapes, solids
 from robodyn.checks.bodies.masses import STILL, pose
 from robodyn.checks.examples import SRDF
 from robodyn.checks.rule import ERROR, NOTE, WARNING, Context, Fault, Faults, namesakes, rule
-from robodyn.checks.srdf import Srdf, own_srdf, srdf
+from robodyn.checks.srdf import own_srdf, srdf
 from robodyn.robot.urdf.document import Element
 from robodyn.robot.urdf.view import JointView, NumbersError, Subject, parse_numbers, value_span
 from robodyn.support.wording import alternatives, count, figure, shown
@@ -50,9 +50,21 @@ def unknown_group(context: Context) -> Faults:
     found = own_srdf(context)
     if found is None:
         return
-    root = found.root
-    groups = [group.get("name") or "" for group in root.findall("group")]
-    yield from _twice_or_reversed(context, found)
+    root, groups = found.root, [group.get("name") or "" for group in found.root.findall("group")]
+    above = {joint.child: joint.parent for joint in context.view.joints}
+    for group, first in namesakes(root.findall("group")):
+        what = f"a second group of this name; the first is in line {first.line}"
+        at = value_span(group, "name")
+        yield Fault(at, what, "rename or delete one of them", subject=_subject(group), document=found.document)
+    for group, chain in [(one, chain) for one in root.findall("group") for chain in one.findall("chain")]:
+        base, tip = chain.get("base_link") or "", chain.get("tip_link") or ""
+        link, passed = base, {base}
+        while (link := above.get(link, "")) and link not in passed:
+            passed.add(link)
+        if base != tip and tip in passed:
+            what = f"the chain's base {shown(base)} is below its tip {shown(tip)}"
+            remedy, at = "exchange base_link and tip_link", value_span(chain, "base_link")
+            yield Fault(at, what, remedy, subject=_subject(group), document=found.document)
     uses = [(group, inner, "name") for group in root.findall("group") for inner in group.findall("group")]
     uses += [(state, state, "group") for state in root.findall("group_state")]
     for effector in root.findall("end_effector"):
@@ -71,24 +83,6 @@ def unknown_group(context: Context) -> Faults:
         at, subject, what = unnamed[0].span, _subject(unnamed[0]), f"the state names no group{more}"
         what, remedy = f"{what}: MoveIt passes over it", 'write group="..."'
         yield Fault(at, what, remedy, None, None, subject, NOTE, document=found.document)
-
-
-def _twice_or_reversed(context: Context, found: Srdf) -> Iterator[Fault]:
-    above = {joint.child: joint.parent for joint in context.view.joints}
-    groups = found.root.findall("group")
-    for group, first in namesakes(groups):
-        what = f"a second group of this name; the first is in line {first.line}"
-        at = value_span(group, "name")
-        yield Fault(at, what, "rename or delete one of them", subject=_subject(group), document=found.document)
-    for group, chain in [(one, chain) for one in groups for chain in one.findall("chain")]:
-        base, tip = chain.get("base_link") or "", chain.get("tip_link") or ""
-        link, passed = base, {base}
-        while (link := above.get(link, "")) and link not in passed:
-            passed.add(link)
-        if base != tip and tip in passed:
-            what = f"the chain's base {shown(base)} is below its tip {shown(tip)}"
-            remedy, at = "exchange base_link and tip_link", value_span(chain, "base_link")
-            yield Fault(at, what, remedy, subject=_subject(group), document=found.document)
 
 
 def _subject(user: Element) -> Subject:

@@ -54,11 +54,9 @@ def several_parents(context: Context) -> Faults:
     A URDF is a tree. Of a closed chain one joint is left out, and made of what the simulator has for it."""
     above = _first_above(context.view)
     for joint in context.view.joints:
-        first = above.get(joint.child, joint)
-        if first is joint or (joint.name and joint.name == first.name):
+        first, element = above.get(joint.child, joint), joint.element.find("child")
+        if element is None or first is joint or (joint.name and joint.name == first.name):
             continue
-        element = joint.element.find("child")
-        assert element is not None, "the joint names a child"
         other = f"joint {shown(first.name)} (line {first.element.line})"
         what = f"its child, link {shown(joint.child)}, is the child of {other} too"
         yield Fault(value_span(element, "link"), what, "a link has one parent: remove one joint, or correct its child")
@@ -79,10 +77,8 @@ def cycle(context: Context) -> Faults:
         first = min((above[link] for link in cycle), key=lambda joint: joint.element.start)
         element = first.element.find("parent")
         assert element is not None, "the joint names a parent"
-        if len(cycle) == 1:
-            what = f"link {shown(cycle[0])} is its parent and its child"
-        else:
-            what = f"it is in a cycle of {len(cycle)} links, each the parent of the one before: {listed(cycle)}"
+        what = f"it is in a cycle of {len(cycle)} links, each the parent of the one before: {listed(cycle)}"
+        what = what if len(cycle) > 1 else f"link {shown(cycle[0])} is its parent and its child"
         yield Fault(value_span(element, "link"), what, "a URDF is a tree: correct a parent")
 
 
@@ -343,9 +339,7 @@ def drawn_in_millimetres(context: Context) -> Faults:
     if unit is None:
         return
     (times, density), large = unit, unit[0] > 1
-    what = (
-        f"its links weigh {density:.3g} kg/m^3 of the boxes around their shapes (median): lengths are "
-        f"{'in millimetres' if large else 'a thousandth of metres'}, which makes {density * times**3:.3g}"
-    )
+    what = f"its links weigh {density:.3g} kg/m^3 of the boxes around their shapes (median): lengths are "
+    what += f"{'in millimetres' if large else 'a thousandth of metres'}, which makes {density * times**3:.3g}"
     remedy = f"{'divide' if large else 'multiply'} all lengths by 1000, those of meshes by their scale"
     yield Fault(value_span(context.view.root, "name"), what, remedy, times, 1.0, subject=None)

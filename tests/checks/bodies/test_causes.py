@@ -17,7 +17,7 @@ from robodyn.checks.bodies.contacts import Hull, depth, overlaps, rest
 from robodyn.checks.catalogue import BY_CODE
 from robodyn.checks.check import Options, check_one, found_in
 from robodyn.checks.context import Context
-from robodyn.checks.examples import ORIGIN, a_shaped_link, two_arms
+from robodyn.checks.examples import ORIGIN, a_shaped_link, inertia, two_arms
 from robodyn.checks.fixes import Fixed, fixed
 from robodyn.checks.rules.inertia_mistakes import Cause, causes
 from robodyn.programs.vectors import rotation_from_rpy
@@ -38,16 +38,12 @@ STEINER = parallel_axis(np.zeros((3, 3)), MASS, C)
 def tensors(count: int = 3) -> list[np.ndarray]:
     """Tensors of bodies with unequal second moments along skew axes."""
     rng = np.random.default_rng(3)
-    out = []
-    for _ in range(count):
-        Q, _ = np.linalg.qr(rng.normal(size=(3, 3)))
-        out.append(inertia_matrix(Q @ np.diag(rng.uniform((0.004, 0.012, 0.03), (0.006, 0.016, 0.04))) @ Q.T))
-    return out
+    axes = (np.linalg.qr(rng.normal(size=(3, 3)))[0] for _ in range(count))
+    return [inertia_matrix(Q * rng.uniform((0.004, 0.012, 0.03), (0.006, 0.016, 0.04)) @ Q.T) for Q in axes]
 
 
 def entries(I: np.ndarray) -> str:
-    names = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-    return "<inertia " + " ".join(f'{n}="{x!r}"' for n, x in zip(names, I[UPPER].tolist(), strict=True)) + "/>"
+    return inertia(" ".join(map(repr, I[UPPER].tolist())))
 
 
 def cause_of(left: np.ndarray, right: np.ndarray, rpy: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Cause | None:
@@ -64,16 +60,11 @@ def signs(I: np.ndarray) -> np.ndarray:
 
 def reordered(I: np.ndarray) -> np.ndarray:
     """ixy, ixz and iyz under each other's names."""
-    wrong = np.diag(np.diagonal(I))
-    for (i, j), value in zip(((0, 1), (0, 2), (1, 2)), (I[1, 2], I[0, 1], I[0, 2]), strict=True):
-        wrong[i, j] = wrong[j, i] = value
-    return wrong
+    return symmetric((I[0, 0], I[1, 2], I[0, 1], I[1, 1], I[0, 2], I[2, 2]))
 
 
 def decade(I: np.ndarray) -> np.ndarray:
-    wrong = I.copy()
-    wrong[2, 2] *= 10.0
-    return wrong
+    return I + np.diag((0.0, 0.0, 9.0 * I[2, 2]))
 
 
 def permuted(I: np.ndarray) -> np.ndarray:
@@ -215,7 +206,7 @@ def test_depth(first, second, expected):
 def found(text, folder):
     file = folder / "arm.urdf"
     file.write_text(text, encoding="utf-8")
-    return [(one.first.name, one.second.name) for one in overlaps(Context(read_document(file)))]
+    return [(first.name, second.name) for _, first, second, _ in overlaps(Context(read_document(file)))]
 
 
 def test_neighbours_and_pairs_disabled_in_the_srdf_are_left_out(tmp_path):
@@ -248,7 +239,7 @@ def test_depths_are_those_of_mujoco(robot):
     for contact in data.contact:
         names = frozenset(model.body(model.geom_bodyid[geom]).name for geom in contact.geom)
         deepest[names] = max(deepest.get(names, 0.0), -contact.dist)
-    ours = {frozenset((one.first.name, one.second.name)): one.depth for one in overlaps(context)}
+    ours = {frozenset((first.name, second.name)): deep for deep, first, second, _ in overlaps(context)}
     assert ours
     assert ours == pytest.approx({pair: deepest[pair] for pair in ours}, rel=0, abs=2.5e-3)
 
@@ -283,8 +274,8 @@ def test_pairs_of_links_are_compared_a_bounded_number_of_times(monkeypatch):
         return original(*given)
 
     monkeypatch.setattr(contacts, "depth", deep)
-    (found,) = contacts.overlaps(context(shapes("collision"), shapes("visual"), shapes("collision")))
-    assert (found.first.name, found.second.name) == ("a", "c")
+    ((_, first, second, _),) = contacts.overlaps(context(shapes("collision"), shapes("visual"), shapes("collision")))
+    assert (first.name, second.name) == ("a", "c")
     assert calls["depth"] <= contacts._MOST_PAIRS < MANY**2
 
 

@@ -68,8 +68,7 @@ def test_two_points_within_and_beyond_the_box(apart: float, expected: list[tuple
 
 
 @pytest.mark.parametrize(
-    ("z", "expected"),
-    [(0.25, []), (0.278, []), (0.28, [("RD302", W)]), (0.53, [("RD302", W)]), (0.55, [("RD302", E)])],
+    ("z", "expected"), [(0.25, []), (0.278, []), (0.28, [("RD302", W)]), (0.53, [("RD302", W)]), (0.55, [("RD302", E)])]
 )
 def test_a_centre_outside_the_box(z: float, expected: list[tuple[str, Severity]]) -> None:
     """The diagonal of the box is 0.287."""

@@ -15,6 +15,7 @@ from robodyn.checks.check import Options, check_one
 from robodyn.checks.context import Context
 from robodyn.checks.examples import ARM_LIMIT, IMAGE, ORIGIN, ORIGIN_IMAGE, TENSOR, inertia, two_arms, two_elbows
 from robodyn.checks.mirror import Plane, link_inertia, named_pairs, pairs
+from robodyn.robot.masses.mistakes import UPPER
 from robodyn.robot.urdf.document import read
 from robodyn.solids.inertia.properties import from_inertia
 
@@ -65,9 +66,8 @@ def test_the_mirror_image_is_that_of_the_mass(numbers: list[float]) -> None:
     S = A @ A.T + 0.01 * np.eye(3)
     I = np.trace(S) * np.eye(3) - S
     c = np.array(numbers[9:])
-    entries = " ".join(f'{name}="{float(I[k])!r}"' for name, k in zip(NAMES, PLACES, strict=True))
-    origin = " ".join(repr(x) for x in c.tolist())
-    text = two_arms(left=f'<origin xyz="{origin}"/><mass value="2"/><inertia {entries}/>')
+    entries, origin = (" ".join(map(repr, each.tolist())) for each in (I[UPPER], c))
+    text = two_arms(left=f'<origin xyz="{origin}"/><mass value="2"/>{inertia(entries)}')
     (pair,) = pairs(context(text))
     assert pair.left.inertial is not None
     centre, image = pair.reflected(pair.left.inertial)
@@ -80,15 +80,10 @@ def test_the_mirror_image_is_that_of_the_mass(numbers: list[float]) -> None:
     assert np.abs(same - I).max() <= EPS * np.abs(I).max()
 
 
-NAMES = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-PLACES = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
-
-
 def test_twins_in_turned_frames() -> None:
     """The right arm's frame turned by half a turn about x: the image is turned along, and nothing is found."""
     turned = two_arms(
-        right='<origin xyz="0.1 0.05 -0.2"/><mass value="2"/>'
-        '<inertia ixx="0.02" ixy="0.004" ixz="-0.002" iyy="0.03" iyz="-0.003" izz="0.025"/>',
+        right=f'<origin xyz="0.1 0.05 -0.2"/><mass value="2"/>{inertia("0.02 0.004 -0.002 0.03 -0.003 0.025")}',
         right_joint=f'<axis xyz="0 -1 0"/>{ARM_LIMIT}',
     ).replace('xyz="0 -0.3 0"/>', 'xyz="0 -0.3 0" rpy="3.141592653589793 0 0"/>')
     assert len(pairs(context(turned))) == 1
@@ -99,10 +94,8 @@ def test_twins_in_turned_frames() -> None:
     ("mass", "found"), [("2.03", set()), ("2.05", {"RD401"}), ("1.97", set()), ("1.95", {"RD401"})]
 )
 def test_masses_may_differ_by_two_percent(mass: str, found: set[str]) -> None:
-    scale = float(mass) / 2.0
-    tensor = IMAGE
-    for number in ("0.025", "0.004", "0.002", "0.003", "0.02", "0.03"):
-        tensor = tensor.replace(f'{number}"', f'{float(number) * scale!r}"')
+    image = np.array((0.02, -0.004, 0.002, 0.03, -0.003, 0.025)) * (float(mass) / 2.0)
+    tensor = inertia(" ".join(map(repr, image.tolist())))
     assert codes(two_arms(right=f'{ORIGIN_IMAGE}<mass value="{mass}"/>{tensor}')) == found
 
 
@@ -133,10 +126,10 @@ def test_copied_arms_of_talos_are_found() -> None:
 MESH = '<visual>{}<geometry><mesh filename="package://arms/{}.stl"{}/></geometry></visual>'
 
 
-def with_meshes(left: str, right: str, inertial: str) -> str:
-    text = two_arms(right=inertial)
-    for side, mesh in (("left", left), ("right", right)):
-        text = text.replace(f'<link name="{side}_arm">', f'<link name="{side}_arm">{mesh}')
+def with_more(text: str, left: str, right: str) -> str:
+    """A robot with more in the links of its arms."""
+    for side, more in (("left", left), ("right", right)):
+        text = text.replace(f'<link name="{side}_arm">', f'<link name="{side}_arm">{more}')
     return text
 
 
@@ -164,7 +157,7 @@ def test_what_goes_with_the_meshes(
         (ORIGIN, TENSOR, copied),
         ('<origin xyz="0.1 -0.05 -0.2"/>', half_turn, turned),
     ):
-        found = codes(with_meshes(*meshes, f'{origin}<mass value="2"/>{tensor}'))
+        found = codes(with_more(two_arms(right=f'{origin}<mass value="2"/>{tensor}'), *meshes))
         assert bool(found) is wrong, (origin, found)
 
 
@@ -202,12 +195,9 @@ def odd_parents(one: Context) -> list[tuple[str, str]]:
     return [(fault.what.split(" a child")[0], fault.remedy) for fault in BY_CODE["RD112"].check(one)]
 
 
-LEGS = {
-    f"{leg}_{part}": f"{leg}_{over}"
-    for leg in ("FL", "FR", "RL", "RR")
-    for part, over in (("thigh", "hip"), ("calf", "thigh"))
-}
-LEGS |= {f"{leg}_hip": "trunk" for leg in ("FL", "FR", "RL", "RR")}
+LEGS = {f"{leg}_hip": "trunk" for leg in ("FL", "FR", "RL", "RR")}
+for part, over in (("thigh", "hip"), ("calf", "thigh")):
+    LEGS |= {f"{leg}_{part}": f"{leg}_{over}" for leg in ("FL", "FR", "RL", "RR")}
 ARMS = {"LeftArm": "torso", "RightArm": "torso", "LeftHand": "LeftArm", "RightHand": "RightArm", "torso": "base"}
 
 
@@ -299,10 +289,8 @@ CYLINDER = '<collision>{}<geometry><cylinder radius="{}" length="0.2"/></geometr
 
 
 def with_shapes(left: str, right: str) -> set[str]:
-    text = two_arms()
-    for side, shape in (("left", left), ("right", right)):
-        text = text.replace(f'<link name="{side}_arm">', f'<link name="{side}_arm">{shape}')
-    return {one.subject.name for one in check_one(text.encode()) if one.code == "RD406" and one.subject}
+    found = check_one(with_more(two_arms(), left, right).encode())
+    return {one.subject.name for one in found if one.code == "RD406" and one.subject}
 
 
 def test_shapes_of_twins() -> None:
@@ -323,10 +311,8 @@ def test_the_mesh_of_the_other_side(tmp_path: Path) -> None:
 
     def found(left: str, right: str) -> list[tuple[str, str]]:
         file = tmp_path / "robot.urdf"
-        inertial = f'{ORIGIN_IMAGE}<mass value="2"/>{IMAGE}'
-        file.write_text(
-            with_meshes(MESH.format("", left, ""), MESH.format("", right, ""), inertial).replace("package://arms/", "")
-        )
+        meshes = (MESH.format("", name, "").replace("package://arms/", "") for name in (left, right))
+        file.write_text(with_more(two_arms(), *meshes))
         said = check_one(str(file), Options(select=("RD406",)))
         return [(one.subject.name, one.remedy) for one in said if one.subject is not None]
 
@@ -338,9 +324,7 @@ def test_the_mesh_of_the_other_side(tmp_path: Path) -> None:
 def test_one_arm_mounted_on_both_sides() -> None:
     """Where the elbows hang alike on one part, which both arms are, forearms are alike and no images."""
     mesh = '<visual><geometry><mesh filename="package://arms/arm.stl"/></geometry></visual>'
-    text = two_elbows("0.1 0.05 0.3")
-    for side in ("left", "right"):
-        text = text.replace(f'<link name="{side}_arm">', f'<link name="{side}_arm">{mesh}')
+    text = with_more(two_elbows("0.1 0.05 0.3"), mesh, mesh)
     text = text.replace(f"{ORIGIN_IMAGE}", ORIGIN).replace(IMAGE, TENSOR)
     assert all(pair.is_alike for pair in pairs(context(text)))
     assert not codes(text)
@@ -357,6 +341,4 @@ def test_a_centre_outside_is_told_by_the_twin(y: str, expected: set[str]) -> Non
     """Once: where the centre has to be is what the twin tells. One that is far outside is an error by itself."""
     box = '<visual>{}<geometry><box size="0.3 0.09 0.3"/></geometry></visual>'
     text = two_arms(right=f'<origin xyz="0.1 {y} 0.2"/><mass value="2"/>{IMAGE}')
-    for side, at in (("left", ORIGIN), ("right", ORIGIN_IMAGE)):
-        text = text.replace(f'<link name="{side}_arm">', f'<link name="{side}_arm">{box.format(at)}')
-    assert codes(text) - {"RD301"} == expected
+    assert codes(with_more(text, box.format(ORIGIN), box.format(ORIGIN_IMAGE))) - {"RD301"} == expected

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import cache
 from itertools import islice
+from math import pi
 from pathlib import Path
 
 import numpy as np
@@ -14,9 +15,9 @@ from helpers.example_robots import path_of
 from robodyn.checks.check import Options, check_one, found_in
 from robodyn.checks.context import Context
 from robodyn.checks.mirror import Pair, pairs
-from robodyn.checks.rule import Finding
 from robodyn.programs.vectors import rotation_from_rpy
 from robodyn.robot.urdf.document import Span, read
+from robodyn.robot.urdf.edits import Edit, edited
 from robodyn.robot.urdf.view import JointView, value_span
 
 OTHERS = {
@@ -114,19 +115,13 @@ def robot(name: str) -> tuple[bytes, Context]:
 def planted(name: str, kind: Callable[[Pair, JointView], Edits]) -> Iterator[tuple[str, bytes]]:
     """Yield up to three right joints, each with the file in which the slip is planted there."""
     data, context = robot(name)
-    found = 0
-    for pair in context.once(pairs):
-        edits = sorted(kind(pair, context.view.joint[pair.right_joint.name]), key=lambda edit: -edit[0].start)
-        if edits and pair.right_joint.type != "fixed" and found < 3:
-            found += 1
-            text = data
-            for span, new in edits:
-                text = text[: span.start] + new.encode() + text[span.end :]
-            yield pair.right_joint.name, text
+    every = ((pair, [*kind(pair, context.view.joint[pair.right_joint.name])]) for pair in context.once(pairs))
+    some = ((pair, edits) for pair, edits in every if edits and pair.right_joint.type != "fixed")
+    yield from ((pair.right_joint.name, replaced(data, edits)) for pair, edits in islice(some, 3))
 
 
-def twin_findings(data: bytes) -> list[Finding]:
-    return list(check_one(data, TWINS))
+def replaced(data: bytes, edits: Iterable[tuple[Span, str]]) -> bytes:
+    return edited(data, [Edit(at.start, at.end, new) for at, new in edits], "utf-8")
 
 
 @pytest.mark.parametrize("each", [1, pytest.param(3, marks=pytest.mark.slow)])
@@ -136,7 +131,7 @@ def test_found_at_the_joint(kind: Callable[[Pair, JointView], Edits], each: int)
     robots = {name for name, _, _ in cases}
     assert len(robots) >= (1 if kind is turned_the_wrong_way else 3) or each > 1, robots
     for name, joint, text in cases:
-        found = twin_findings(text)
+        found = check_one(text, TWINS)
         names = {other.subject.name: other for other in found if other.subject is not None}
         twin = next(pair.left_joint.name for pair in robot(name)[1].once(pairs) if pair.right_joint.name == joint)
         assert names.keys() == ({joint} if kind is fixed else {joint, twin}), (name, joint)
@@ -152,10 +147,10 @@ def test_found_at_the_joint(kind: Callable[[Pair, JointView], Edits], each: int)
 def test_where_legs_are_all_there_is(number: str, slip: str) -> None:
     """Two legs and nothing else: they are mirrored in a plane between them, but not the base."""
     data = robot("LEGS")[0]
-    assert twin_findings(data) == []
+    assert check_one(data, TWINS) == ()
     text = data.replace(f'xyz="0 -{number} 0"'.encode(), f'xyz="0 -{slip} 0"'.encode())
     assert text != data
-    found = {(one.code, one.subject.name) for one in twin_findings(text) if one.subject is not None}
+    found = {(one.code, one.subject.name) for one in check_one(text, TWINS) if one.subject is not None}
     assert found == {("RD405", "left_hip"), ("RD405", "right_hip")}
 
 
@@ -164,12 +159,8 @@ def heavier(name: str, link: str, factor: float, tensor: bool) -> bytes:
     data, context = robot(name)
     inertial = context.view.link[link].inertial
     assert inertial is not None
-    values = [inertial.mass, *(inertial.entries if tensor else ())]
-    for value in sorted(values, key=lambda value: -value.span.start):
-        ((number,),) = [value.values or ()]
-        text = f"{number * factor:.4g}" if value is inertial.mass else repr(number * factor)
-        data = data[: value.span.start] + text.encode() + data[value.span.end :]
-    return data
+    entries = [(each.span, repr((each.value or 0.0) * factor)) for each in inertial.entries if tensor]
+    return replaced(data, [(inertial.mass.span, f"{(inertial.mass.value or 0.0) * factor:.4g}"), *entries])
 
 
 @pytest.mark.parametrize(("factor", "unit"), [(2.20462, "it is in pounds"), (1000.0, "it is in grams")])
@@ -196,21 +187,17 @@ def test_one_of_a_row_of_twins(what: str) -> None:
     data, context = robot(name)
     view = context.view.joint[joint]
     if code == "RD405":
-        r, p, y = view.origin.rpy.values or (0.0, 0.0, 0.0)
-        at, new = (
-            view.origin.rpy.span,
-            written((r + (1.5707963267948966 if what == "rotated" else 3.141592653589793), p, y)),
-        )
+        (r, p, y), by = view.origin.rpy.values or (0.0, 0.0, 0.0), pi / 2 if what == "rotated" else pi
+        at, new = view.origin.rpy.span, written((r + by, p, y))
     else:
         assert view.limit is not None
         assert view.limit.upper.value is not None
         at, new = view.limit.upper.span, repr(0.5 * view.limit.upper.value)
-    data = data[: at.start] + new.encode() + data[at.end :]
-    found = {one.subject.name: one for one in twin_findings(data) if one.subject is not None}
+    found = {one.subject.name: one for one in check_one(replaced(data, [(at, new)]), TWINS) if one.subject is not None}
     assert {one.code for one in found.values()} == {code}
     assert joint in found
     assert len(found) == 2, "and its twin"
     if code == "RD405":
-        assert found[joint].measured == pytest.approx(1.5708 if what == "rotated" else 3.1416, rel=1e-3)
+        assert found[joint].measured == pytest.approx(by, rel=1e-3)
         rpy = tuple(map(float, found[joint].remedy.split('"')[1].split()))
         assert np.abs(rotation_from_rpy(*rpy) - rotation_from_rpy(r, p, y)).max() < 1e-3

@@ -119,10 +119,7 @@ def mended(text: str) -> str:
     return fixed(text.encode(), "arm.urdf", lambda data: check_one(data, given), unsafe=True).after.decode()
 
 
-@pytest.mark.parametrize(
-    ("limits", "soft"),
-    [(("-170", "10"), None), (("-5", "90"), ("0", "85"))],
-)
+@pytest.mark.parametrize(("limits", "soft"), [(("-170", "10"), None), (("-5", "90"), ("0", "85"))])
 def test_both_ends_of_a_range_are_turned(limits: tuple[str, str], soft: tuple[str, str] | None) -> None:
     text, after = HEALTHY, HEALTHY
     names = ("soft_lower_limit", "soft_upper_limit")
