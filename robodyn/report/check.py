@@ -240,7 +240,8 @@ def _drawn(checked: Checked, file: str, model: Model) -> Iterator[doc.Block]:
 def _item(finding: Finding) -> tuple[doc.Level, str, tuple[tuple[str, bool], ...]]:
     title = f"Line {finding.line}: {finding.message}"
     lines = [("\n".join(marked(finding.line, finding.excerpt)), True)] if finding.excerpt.text else []
-    lines += [(f"{label.capitalize()}: {'; '.join(said)}.", False) for label, said in _below(finding).items()]
+    told = {label: "; ".join(said).replace(",; ", ", ") for label, said in _below(finding).items()}  # of wrapped rows
+    lines += [(f"{label.capitalize()}: {said}.", False) for label, said in told.items()]
     return LEVELS[finding.severity], title, tuple(lines)
 
 

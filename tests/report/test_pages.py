@@ -24,8 +24,10 @@ from robodyn.report.document import (
     Downloads,
     Facts,
     Findings,
+    Folded,
     Gallery,
     Heading,
+    Levels,
     Paragraph,
     Stage,
     Table,
@@ -60,6 +62,9 @@ def document(words: str) -> Document:
         Stage(words, words, words, {"robots": [{"name": words}]}),
         Bars(words, ((words, ((words, 0.0, 50.0, "c1"),), words),), words),
         Findings((("doubtful", words, ((words, False), (words, True))),)),
+        Levels((("bad", words), ("neutral", words))),
+        Findings((("bad", words, ()),), words, ("RD1",)),
+        Folded((("RD1", words, words),)),
         Downloads((Download("a.csv", "text/csv", words),)),
     )
     return Document(words, words, blocks, words, (words,))
