@@ -56,7 +56,8 @@ requestAnimationFrame(() => setTimeout(() => {
     u.ctx.beginPath();
     u.ctx.rect(u.bbox.left, u.bbox.top, u.bbox.width, u.bbox.height);
     u.ctx.clip();
-    draw(u.ctx, devicePixelRatio, (x) => u.valToPos(x, "x", true), (y) => u.valToPos(y, "y", true));
+    const place = (axis) => (value) => Number.isNaN(value) ? NaN : u.valToPos(value, axis, true); // NaN would be a log's end
+    draw(u.ctx, devicePixelRatio, place("x"), place("y"));
     u.ctx.restore();
   }
   function stroke(ctx, colour, wide, points) {
