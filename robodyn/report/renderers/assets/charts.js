@@ -20,14 +20,6 @@ requestAnimationFrame(() => setTimeout(() => {
     for (const chart of made.values()) if (chart !== from && chart.seen) chart.show?.(t);
     for (const stage of stages) if (stage !== from) stage.setTime(t);
   }
-  const nearest = (xs, x) => {
-    let low = 0, high = xs.length - 1;
-    while (high - low > 1) {
-      const middle = (low + high) >> 1;
-      if (xs[middle] <= x) low = middle; else high = middle;
-    }
-    return x - xs[low] <= xs[high] - x ? low : high;
-  };
   function readout(figure, first, values) {
     figure.querySelector(".readout").replaceChildren(...[[null, first, ""], ...values].filter(([, label]) => label).map(([colour, label, text]) => {
       const key = element("i", {});

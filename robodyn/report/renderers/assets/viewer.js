@@ -1,4 +1,19 @@
 // The robot in WebGL 2: bodies placed by their joints, arrows of what acts on them, one body picked and told in numbers.
+function between(time, t) { // the rows on both sides of a time, and how far it is between them
+  let low = 0, high = time.length - 1;
+  if (t <= time[0]) return [0, 0, 0];
+  if (t >= time[high]) return [high, high, 0];
+  while (high - low > 1) {
+    const middle = (low + high) >> 1;
+    if (time[middle] <= t) low = middle; else high = middle;
+  }
+  return [low, high, (t - time[low]) / (time[high] - time[low] || 1)];
+}
+const nearest = (time, t) => {
+  const [low, high, part] = between(time, t);
+  return part > 0.5 ? high : low;
+};
+
 function makeViewer(figure, stage, arrays, rgb, onTime) {
   const $ = (name) => figure.querySelector(`[data-part="${name}"]`);
   const canvas = $("canvas"), gl = canvas.getContext("webgl2", { alpha: false, antialias: true, preserveDrawingBuffer: true });
@@ -36,22 +51,8 @@ function makeViewer(figure, stage, arrays, rgb, onTime) {
   const robots = stage.robots;
   const motionOf = (robot) => robot.motions[Math.min(state.motion, robot.motions.length - 1)];
   const span = () => {
-    const all = robots.map((robot) => motionOf(robot)).filter((motion) => motion.time !== null);
-    if (!all.length) return [0, 0];
-    const times = all.map((motion) => arrays[motion.time]);
-    return [Math.min(...times.map((t) => t[0])), Math.max(...times.map((t) => t[t.length - 1]))];
-  };
-
-  // The rows on both sides of a time, and how far it is between them.
-  const between = (time, t) => {
-    let low = 0, high = time.length - 1;
-    if (t <= time[0]) return [0, 0, 0];
-    if (t >= time[high]) return [high, high, 0];
-    while (high - low > 1) {
-      const middle = (low + high) >> 1;
-      if (time[middle] <= t) low = middle; else high = middle;
-    }
-    return [low, high, (t - time[low]) / (time[high] - time[low] || 1)];
+    const times = robots.map((robot) => motionOf(robot).time).filter((time) => time !== null).map((time) => arrays[time]);
+    return times.length ? [Math.min(...times.map((t) => t[0])), Math.max(...times.map((t) => t.at(-1)))] : [0, 0];
   };
   const sample = (values, [low, high, part]) => values[low] + part * (values[high] - values[low]);
 
@@ -407,8 +408,7 @@ function makeViewer(figure, stage, arrays, rgb, onTime) {
   const clockWords = () => {
     const motion = motionOf(robots[0]);
     if (motion.time === null) return "";
-    const [row, next, part] = between(arrays[motion.time], state.time), nearest = part > 0.5 ? next : row;
-    const number = motion.rows === null ? "" : `, row ${Math.round(arrays[motion.rows][nearest])}`;
+    const number = motion.rows === null ? "" : `, row ${Math.round(arrays[motion.rows][nearest(arrays[motion.time], state.time)])}`;
     return `${Number(state.time.toPrecision(7))} s${number}`;
   };
   function setTime(t, told = false) {
