@@ -72,7 +72,7 @@ def stage(
         ]
     )
     words = f"Meshes are drawn to within {1000.0 * error:.2g} mm. " if meshes else ""
-    words += "Drag to turn, shift and drag to move, wheel or pinch to zoom; click a link for its numbers."
+    words += "Drag to turn, shift and drag to move, click and wheel or pinch to zoom; click a link for its numbers."
     names = ", ".join(printable(robot["name"]) for robot in robots)
     look = {"robots": [*robots], "meshes": meshes, "kinds": KINDS, "marks": [*marks]}
     return Stage(caption, f"In 3-D: {names}{alt and f'; {alt}'}", words, look | shown)

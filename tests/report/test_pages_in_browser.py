@@ -91,7 +91,7 @@ def opened(browser: Any) -> Iterator[Callable[..., Any]]:
         found.on("request", lambda request: asked.append(request.url))
         files.append(file.as_uri())
         found.goto(files[-1])
-        for _ in range(600):
+        for _ in range(600 * options.get("java_script_enabled", True)):
             if found.evaluate("!document.getElementById('data') || !!window.robodyn"):
                 break
             found.wait_for_timeout(50)
@@ -309,3 +309,17 @@ def test_the_keyboard_reaches_and_moves_everything(written, opened) -> None:
     while not part["panel"].is_visible():
         canvas.click(position={"x": box["width"] / 2, "y": next(heights) * box["height"]})
     assert part["panel"].locator("h3").inner_text() in [body.name for body in analysed("fixed")[0].bodies]
+
+
+@pytest.mark.slow
+def test_without_scripts_words_and_tables_say_everything(written, opened) -> None:
+    page = opened(written("fixed"), java_script_enabled=False)
+    shown = page.locator("main").inner_text()
+    for words in (
+        "No limit is exceeded",
+        "torque of shoulder over time: peak 75.89 N m at 2 s",
+        "Loads: joint",
+        "75.89",
+    ):
+        assert words in shown
+    assert not any(each.is_visible() for each in page.locator("canvas, .plot, button, select, input").all())

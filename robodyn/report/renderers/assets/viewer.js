@@ -504,8 +504,10 @@ function makeViewer(figure, stage, arrays, rgb, onTime) {
     const step = [to[0] - before[0], to[1] - before[1]], other = [...fingers.values()].find((each) => each !== before);
     const gap = (point) => Math.hypot(point[0] - other[0], point[1] - other[1]) || 1;
     far += Math.hypot(...step);
-    if (other) eye.distance *= gap(before) / gap(to);
-    else (event.shiftKey || event.buttons === 2 ? pan : orbit)(...step);
+    if (other) {
+      eye.distance *= gap(before) / gap(to);
+      orbit(step[0] / 2, step[1] / 2);
+    } else (event.shiftKey || event.buttons === 2 ? pan : orbit)(...step);
     fingers.set(event.pointerId, to);
     redraw();
   });
@@ -515,6 +517,7 @@ function makeViewer(figure, stage, arrays, rgb, onTime) {
   });
   canvas.addEventListener("contextmenu", (event) => event.preventDefault());
   canvas.addEventListener("wheel", (event) => {
+    if (document.activeElement !== canvas && !event.ctrlKey) return; // the page scrolls
     event.preventDefault();
     eye.distance *= Math.exp(event.deltaY / 600);
     redraw();
