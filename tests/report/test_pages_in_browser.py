@@ -315,11 +315,6 @@ def test_the_keyboard_reaches_and_moves_everything(written, opened) -> None:
 def test_without_scripts_words_and_tables_say_everything(written, opened) -> None:
     page = opened(written("fixed"), java_script_enabled=False)
     shown = page.locator("main").inner_text()
-    for words in (
-        "No limit is exceeded",
-        "torque of shoulder over time: peak 75.89 N m at 2 s",
-        "Loads: joint",
-        "75.89",
-    ):
+    for words in ("No limit is exceeded", "torque of shoulder over time: peak 53.24 N m at 1.94 s", "Loads: joint"):
         assert words in shown
     assert not any(each.is_visible() for each in page.locator("canvas, .plot, button, select, input").all())
