@@ -2,49 +2,106 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from robodyn.errors import Caveat
 from robodyn.loads.result import JointLoad, Result
-from robodyn.report.document import Bars, Block, Level, Paragraph, Section, Table, Verdict, paragraphs, select
-from robodyn.report.table import first_names, is_noise, number, printable
+from robodyn.report.document import Bars, Block, Level, Section, Table, Verdict, paragraphs, select
+from robodyn.report.sizing import in_words, probability, uses
+from robodyn.report.table import first_names, is_noise, number, percent, printable
 from robodyn.robot.limits import Coverage, Excess
 from robodyn.support.floats import ranked, steady
 from robodyn.support.wording import count
 
 if TYPE_CHECKING:
+    from robodyn.loads.result import Promise, Sizing
+    from robodyn.loads.uncertainty_result import Uncertain
     from robodyn.simulation.result import JointUse, Simulation
 
 LINES = 15
 """So many limits are named at the top of a page."""
+_NEAREST = "Nearest to its limit of"
 
 
 def verdict_on_limits(
     joints: int,
-    exceeded: Sequence[Excess],
+    over: Sequence[tuple[str, str]],
     limits: Sequence[Coverage],
     caveats: Sequence[Caveat] = (),
-    nearest: Sequence[str] = (),
+    motors: bool = False,
 ) -> Verdict:
-    """Return the verdict on so many joints, green only where every limit was checked and nothing is in doubt."""
-    doubtful = tuple(caveat.text for caveat in caveats)
-    over = len({excess.joint for excess in exceeded})
+    """Return the verdict on so many joints, of which some exceed limits (joint, sentence), green only where every limit
+    was checked and nothing is in doubt."""
+    doubts = (*(caveat.text for caveat in caveats), *unchecked_words(limits))
+    names, lines = {joint for joint, _ in over}, [line for _, line in over]
+    if names:
+        who = f"{len(names)} of {joints} joints" if joints > 1 else "The joint"
+        does = "exceeds its limits" if len(names) == 1 else "exceed their limits"
+        if motors:
+            does = f"{'asks' if len(names) == 1 else 'ask'} more than motors, gears or limits bear"
+        if len(lines) > LINES + 1:
+            lines[LINES:] = [f"{len(lines) - LINES} more limits are exceeded: see the table below."]
+        return Verdict("bad", f"{who} {does}", (*lines, *doubts))
+    clauses = ", ".join(caveat.kind for caveat in caveats)
+    checked, partly = any(each.checked for each in limits), any(each.unchecked for each in limits)
+    level: Level = "doubtful" if caveats else "good" if checked and not partly else "neutral"
+    if checked:
+        headline = f"No limit is exceeded {'where there is one ' * partly}{clauses}"
+    elif motors:
+        headline = f"No limit of a motor or gear is exceeded, and the description gives none {clauses}"
+    else:
+        headline = f"Nothing was checked: {'the description gives no limits' if joints else 'the robot has no joints'}"
+    return Verdict(level, headline.strip(), doubts)
+
+
+def limits_verdict(result: Result | Simulation) -> Verdict:
+    """Return the verdict: bad if a limit of robot, motor or gear is exceeded or the accuracy asked for is missed."""
+    over = _exceeded(result)
+    sizing: Sizing | None = getattr(result, "sizing", None)
+    unsure: Uncertain | None = getattr(result, "uncertainty", None)
+    accuracy: Promise | None = getattr(result, "accuracy", None)
+    motors = sizing is not None and (sizing.exceeded if over else any(joint.motor for joint in sizing.joints))
+    verdict = verdict_on_limits(len(result.joints), over, result.limits, result.caveats, motors)
+    missed = [] if accuracy is None or accuracy.met else [f"The accuracy asked for is not met: {accuracy.said}."]
     if over:
-        who = f"{over} of {joints} joints" if joints > 1 else "The joint"
-        verb = "exceeds its limits" if over == 1 else "exceed their limits"
-        reasons = (*doubtful, *shortened([exceeded_words(excess) for excess in exceeded]), *unchecked_words(limits))
-        return Verdict("bad", f"{who} {verb}", reasons)
-    clauses = "".join(f", {caveat.kind}" if k else f" {caveat.kind}" for k, caveat in enumerate(caveats))
-    if not any(each.checked for each in limits):
-        why = "the description gives no limits" if joints else "the robot has no joints"
-        reasons = (*doubtful, *unchecked_words(limits))
-        return Verdict("doubtful" if caveats else "neutral", f"Nothing was checked: {why}", reasons)
-    partly = any(each.unchecked for each in limits)
-    headline = f"No limit is exceeded{' where there is one' if partly else ''}{clauses}"
-    level: Level = "doubtful" if caveats else "neutral" if partly else "good"
-    return Verdict(level, headline, (*doubtful, *unchecked_words(limits), *nearest))
+        return replace(verdict, reasons=(*verdict.reasons, *missed))
+    chance = None if unsure is None else unsure.suffices
+    sure = [] if chance is None else [f"All limits are kept with {probability(chance)}."]
+    lines = [*missed, *sure, *verdict.reasons]
+    for used, what in ((effort_use, "effort"), (speed_use, "speed")):
+        for joint in ranked((joint for joint in result.joints if used(joint)), key=used)[:1]:
+            lines.append(f"{_NEAREST} {what} is {printable(joint.name)}, at {100 * used(joint):.0f} % of it.")
+    if missed:
+        return Verdict("bad", "The accuracy asked for is not met", tuple(lines))
+    return replace(verdict, reasons=tuple(lines))
+
+
+def verdict_section(result: Result | Simulation) -> Section:
+    """Return the verdict as the last lines of a text: what was not checked, then the headline with the worst."""
+    verdict = limits_verdict(result)
+    if not result.joints and verdict.level == "neutral":
+        return ()
+    if verdict.level == "bad":
+        more = len({line for _, line in _exceeded(result)}) - 1
+        others = f" {count(more, 'more limit is', 'more limits are')} exceeded." if more > 0 else ""
+        return paragraphs([f"{verdict.headline}: {verdict.reasons[0]}{others}"])
+    warned = [caveat.text for caveat in result.caveats]  # tables say what is nearest
+    lines = [line for line in verdict.reasons if line not in warned and not line.startswith(_NEAREST)]
+    return paragraphs([*lines, f"{verdict.headline}."])
+
+
+def exceeded_section(result: Result | Simulation) -> Section:
+    """Return a table of the limits of the description that are exceeded, joint by joint; nothing without."""
+    found: dict[str, dict[str, list[str]]] = {}
+    for excess in result.exceeded:
+        cell = f"{excess.value:.6g} {excess.unit}, limit {excess.limit:.6g}"
+        found.setdefault(excess.joint, {}).setdefault(excess.quantity, []).append(cell)
+    quantities = [name for name in ("effort", "velocity", "position") if any(name in row for row in found.values())]
+    rows = [(joint, *("; ".join(row.get(name, ())) for name in quantities)) for joint, row in found.items()]
+    title = f"LIMITS EXCEEDED by {len(rows)} of {count(len(result.joints), 'joint')}"
+    return [Table(title, ("joint", *quantities), rows)] if rows else []
 
 
 def unchecked_words(limits: Sequence[Coverage]) -> tuple[str, ...]:
@@ -58,8 +115,8 @@ def unchecked_words(limits: Sequence[Coverage]) -> tuple[str, ...]:
             least = f"{min(huge.values(), default=0.0):g}{' or more' if len(set(huge.values())) > 1 else ''}"
             words = {"": silent, "0, which means none, for ": zero, f"{least}, which limits nothing, for ": list(huge)}
             who = "; ".join(f"{why}{first_names(names, most=4)}" for why, names in words.items() if names)
-            count = f"{len(each.unchecked)} of {len(each.unchecked) + len(each.checked)} joints"
-            lines.append(f"{count} have no {each.quantity} limit: not checked ({who}).")
+            joints = f"{len(each.unchecked)} of {len(each.unchecked) + len(each.checked)} joints"
+            lines.append(f"{joints} have no {each.quantity} limit: not checked ({who}).")
     return tuple(lines)
 
 
@@ -68,55 +125,56 @@ def limits_data(limits: Sequence[Coverage]) -> dict[str, Any]:
     return {each.quantity: select(each, "checked unchecked") for each in limits}
 
 
-def shortened(lines: list[str]) -> tuple[str, ...]:
-    """Return the first of many lines; the tables have all."""
-    if len(lines) <= LINES + 1:
-        return tuple(lines)
-    return (*lines[:LINES], f"{len(lines) - LINES} more limits are exceeded: see the table below.")
-
-
 def exceeded_words(excess: Excess) -> str:
     name, value, limit, unit = printable(excess.joint), excess.value, excess.limit, excess.unit
     if excess.quantity == "position":
         side = "below its lower" if value < limit else "above its upper"
         return f"{name} goes to {value:.6g} {unit}, {side} limit of {limit:.6g} {unit}."
     beyond = "" if excess.seconds is None else f"; it is beyond the limit for {excess.seconds:.3g} s"
-    percent = f"{100 * value / limit:.0f} % of its limit of {limit:g} {unit}{beyond}."
+    share = f"{100 * value / limit:.0f} % of its limit of {limit:g} {unit}{beyond}."
     if excess.quantity == "velocity":
-        return f"{name} moves at {number(value)} {unit}, {percent}"
+        return f"{name} moves at {number(value)} {unit}, {share}"
     what = "force" if unit == "N" else "torque"
     when = "" if excess.time is None else f" at {excess.time:.6g} s"
-    return f"{name} needs a {what} of {number(value)} {unit}{when}, {percent}"
+    return f"{name} needs a {what} of {number(value)} {unit}{when}, {share}"
+
+
+def _exceeded(result: Result | Simulation) -> list[tuple[str, str]]:
+    """Return joint and sentence of all that is exceeded, once: first what breaks, by how many times the limit it is."""
+    found: list[tuple[bool, float, str, str]] = []
+    for excess in result.exceeded:
+        beyond, position = abs(excess.value - excess.limit), excess.quantity == "position"
+        times = float(steady(1.0 + beyond if position else excess.value / excess.limit))  # [rad, m] beyond a position
+        found.append((False, -times, excess.joint, exceeded_words(excess)))
+    sizing = getattr(result, "sizing", None)
+    for joint in sizing.joints if sizing else ():
+        for each in joint.exceeded:
+            if each.quantity not in ("effort", "velocity"):
+                times = each.value / each.limit if each.limit > 0.0 else float("inf")
+                line = f"{printable(joint.name)}: {in_words(each)}."
+                found.append((each.level == "over continuous", -float(steady(times)), joint.name, line))
+    return [(joint, line) for _, _, joint, line in sorted(found)]
 
 
 def offenders(result: Result) -> frozenset[str]:
     """Return the names of the joints that exceed a limit of the description, or of their motor or gear."""
-    sized = result.sizing.joints if result.sizing else ()
-    return frozenset((*(each.joint for each in result.exceeded), *(joint.name for joint in sized if joint.exceeded)))
+    return frozenset(joint for joint, _ in _exceeded(result))
 
 
 def use_bars(result: Result | Simulation) -> list[Block]:
     """Return of every joint with a limit how much of it the motion uses, the worst first: effort, speed, and of motor
     and gear peak, continuous, speed."""
-    from robodyn.report.sizing import uses
-
     sizing, rows = getattr(result, "sizing", None), []
     joints: Sequence[JointLoad | JointUse] = result.joints
     for k, load in enumerate(joints):
-        shares = uses(load, sizing.joints[k] if sizing else None)
-        if shares:
-            bars = [(f"{_percent(share)} of {what}", 0.0, min(share, 100.0), _colour(share)) for share, what in shares]
-            rows.append((max(share for share, _ in shares), load.name, bars, ""))
+        bars, shares = [], uses(load, sizing.joints[k] if sizing else None)
+        for share, what in shares:
+            colour = "bad" if share > 100.0 else "doubtful" if share > 80.0 else "good"
+            bars.append((f"{percent(share)} % of {what}", 0.0, min(share, 100.0), colour))
+        if bars:
+            rows.append((max(shares)[0], load.name, bars, ""))
     ordered = [row[1:] for row in ranked(rows, key=lambda row: row[0])]
     return [Bars("How much of its limits each joint uses", ordered)] if ordered else []
-
-
-def _colour(share: float) -> str:
-    return "bad" if share > 100.0 else "doubtful" if share > 80.0 else "good"
-
-
-def _percent(share: float) -> str:
-    return f"{'<1' if 0.0 < share < 0.5 else f'{share:.0f}'} %"
 
 
 def worst_joint(result: Result) -> int | None:
@@ -137,104 +195,8 @@ def speed_use(joint: JointLoad | JointUse) -> float:
     return abs(joint.max_speed) / joint.velocity_limit if joint.velocity_limit else 0.0
 
 
-def nearest_limits(joints: Sequence[JointLoad | JointUse]) -> Iterator[str]:
-    """Return sentences on the joints that come nearest to their limits."""
-    for use, what in ((effort_use, "effort"), (speed_use, "speed")):
-        for joint in ranked((joint for joint in joints if use(joint)), key=use)[:1]:
-            yield f"Nearest to its limit of {what} is {printable(joint.name)}, at {100 * use(joint):.0f} % of it."
-
-
-def limits_verdict(result: Simulation) -> Verdict:
-    """Return whether a simulated motion keeps to the limits of the description, as far as that was checked."""
-    nearest = tuple(nearest_limits(result.joints))
-    return verdict_on_limits(len(result.joints), result.exceeded, result.limits, result.caveats, nearest)
-
-
-def limits_section(result: Simulation) -> Section:
-    """Return the verdict's headline, or a table of what is exceeded, and what could not be checked."""
-    exceeded = exceeded_section(result) or [Paragraph(f"{limits_verdict(result).headline}.")]
-    return [*exceeded, *paragraphs(unchecked_words(result.limits))]
-
-
 def use(value: float, limit: float | None) -> str:
     """Return how much of a limit a value takes, in percent."""
     if limit is None:
         return "-"
-    percent = 0.0 if is_noise(abs(value), limit) else 100.0 * abs(value) / limit
-    return f"{'<1' if 0.0 < percent < 0.5 else f'{percent:.0f}'}% of {limit:g}"
-
-
-def torques_verdict(result: Result) -> Verdict:
-    """Return the verdict: bad if a limit of robot, motor or gear is exceeded or the accuracy asked for is missed."""
-    over, sizing, unsure = _exceeded_things(result), result.sizing, result.uncertainty
-    doubtful, nearest = tuple(caveat.text for caveat in result.caveats), tuple(nearest_limits(result.joints))
-    kept = verdict_on_limits(len(result.joints), (), result.limits, result.caveats, nearest)
-    if not any(each.checked for each in result.limits) and sizing and any(joint.motor for joint in sizing.joints):
-        clauses = ", ".join(caveat.kind for caveat in result.caveats)
-        headline = f"No limit of a motor or gear is exceeded, and the description gives none {clauses}".strip()
-        kept = replace(kept, headline=headline)
-    if unsure is not None and unsure.suffices is not None:
-        from robodyn.report.sizing import probability
-
-        said = f"All limits are kept with {probability(unsure.suffices)}."
-        kept = replace(kept, reasons=(said, *kept.reasons))
-    accuracy = result.accuracy
-    unmet = () if accuracy is None or accuracy.met else (f"The accuracy asked for is not met: {accuracy.said}.",)
-    if over:
-        names = {joint for joint, _ in over}
-        who = f"{len(names)} of {len(result.joints)} joints" if len(result.joints) > 1 else "The joint"
-        one, motors = len(names) == 1, sizing is not None and sizing.exceeded
-        verb = "asks" if one else "ask"
-        does = f"{verb} more than motors, gears or limits bear" if motors else "exceeds its" if one else "exceed their"
-        lines = shortened([line for _, line in over])
-        unchecked = [line for line in kept.reasons if line not in (*doubtful, *nearest)]
-        return Verdict("bad", f"{who} {does}{'' if motors else ' limits'}", (*lines, *unmet, *doubtful, *unchecked))
-    if unmet:
-        return Verdict("bad", "The accuracy asked for is not met", (*unmet, *kept.reasons))
-    return kept
-
-
-def verdict_section(result: Result) -> Section:
-    """Return the verdict as the last lines of a text: what was not checked, then the headline with the worst."""
-    verdict = torques_verdict(result)
-    if not result.joints and verdict.level == "neutral":
-        return ()
-    if verdict.level == "bad":
-        more = len({line for _, line in _exceeded_things(result)}) - 1
-        others = f" {count(more, 'more limit is', 'more limits are')} exceeded." if more > 0 else ""
-        return paragraphs([f"{verdict.headline}: {verdict.reasons[0]}{others}"])
-    shown = (*(caveat.text for caveat in result.caveats), *nearest_limits(result.joints))  # among warnings, and tables
-    return paragraphs([*(line for line in verdict.reasons if line not in shown), f"{verdict.headline}."])
-
-
-def exceeded_section(result: Result | Simulation) -> Section:
-    """Return a table of the limits of the description that are exceeded, joint by joint; nothing without."""
-    if not result.exceeded:
-        return ()
-    found: dict[str, dict[str, list[str]]] = {}
-    for excess in result.exceeded:
-        cell = f"{excess.value:.6g} {excess.unit}, limit {excess.limit:.6g}"
-        found.setdefault(excess.joint, {}).setdefault(excess.quantity, []).append(cell)
-    quantities = [name for name in ("effort", "velocity", "position") if any(name in row for row in found.values())]
-    rows = [(joint, *("; ".join(row.get(name, ())) for name in quantities)) for joint, row in found.items()]
-    title = f"LIMITS EXCEEDED by {len(rows)} of {count(len(result.joints), 'joint')}"
-    return [Table(title, ("joint", *quantities), rows)]
-
-
-def _exceeded_things(result: Result) -> list[tuple[str, str]]:
-    """Return joint and sentence of all that is exceeded, once: first what breaks, by how many times the limit it is."""
-    found: list[tuple[bool, float, str, str]] = []
-    for excess in result.exceeded:
-        beyond, position = abs(excess.value - excess.limit), excess.quantity == "position"
-        times = float(steady(1.0 + beyond if position else excess.value / excess.limit))  # [rad, m] beyond a position
-        found.append((False, -times, excess.joint, exceeded_words(excess)))
-    if result.sizing is not None and result.sizing.exceeded:
-        from robodyn.report.sizing import in_words
-
-        for joint in result.sizing.joints:
-            for each in joint.exceeded:
-                if each.quantity not in ("effort", "velocity"):
-                    times = each.value / each.limit if each.limit > 0.0 else float("inf")
-                    line = f"{printable(joint.name)}: {in_words(each)}."
-                    found.append((each.level == "over continuous", -float(steady(times)), joint.name, line))
-    return [(joint, line) for _, _, joint, line in sorted(found)]
+    return f"{percent(0.0 if is_noise(abs(value), limit) else 100.0 * abs(value) / limit)}% of {limit:g}"

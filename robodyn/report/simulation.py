@@ -11,7 +11,7 @@ import numpy as np
 
 from robodyn.report import document as doc
 from robodyn.report.charts import COLOURS, Course, plane_chart, time_chart
-from robodyn.report.limits import limits_data, limits_section, limits_verdict, use, use_bars
+from robodyn.report.limits import exceeded_section, limits_data, limits_verdict, use, use_bars, verdict_section
 from robodyn.report.sizes import MotionSizes, linear, simulation_sizes, sizes, speed_unit
 from robodyn.report.table import NEGLIGIBLE, NOISE, drift_text, first_names, gravity_text, moment, number, relative_text
 from robodyn.robot.model import Joint
@@ -76,10 +76,10 @@ def simulation_sections(result: Simulation, explain: bool = False) -> Iterator[d
     if result.ended:
         how = 'joint_limits = "spring" or "ignore" in a scene goes on'
         yield [doc.Paragraph(f"ENDED EARLY: {result.ended} ({how})")]
-    if result.joints:
-        yield limits_section(result)
+    yield exceeded_section(result)
     yield doc.remarks("warning", (caveat.text for caveat in result.caveats))
     yield doc.remarks("note", result.notes)
+    yield verdict_section(result)
 
 
 def _drift(result: Simulation, size: MotionSizes) -> Iterator[str]:
@@ -144,7 +144,8 @@ def simulation_page(result: Simulation, pictures: bool = True) -> doc.Document:
     table = doc.csv_text(("time", *result.names), np.column_stack((result.time, result.columns)).tolist())
     files = [("result.json", simulation_json(result)), ("motion.csv", table)]
     how = "robodyn simulate --format json and --out write it to a file"
-    return doc.page(result.model.name, what, blocks, simulation_sections(result, explain=True), "Motion", files, how)
+    *sections, _ = simulation_sections(result, explain=True)  # the last is the verdict
+    return doc.page(result.model.name, what, blocks, sections, "Motion", files, how)
 
 
 def _moving(result: Simulation) -> Iterator[doc.Block]:

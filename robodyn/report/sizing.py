@@ -2,18 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
-from robodyn.loads.constraint_result import Constraints
-from robodyn.loads.result import Exceeded, JointLoad, JointSizing, Result, Sizing
-from robodyn.loads.uncertainty_result import UncertainLoad
+from robodyn.loads.result import Exceeded, FoundationLoad, JointLoad, JointSizing, Result, Sizing
 from robodyn.report.document import Facts, Paragraph, Section, Table, paragraphs
-from robodyn.report.sizes import result_sizes, speed_unit
-from robodyn.report.table import axis_text, first_names, is_noise, moment, number, point_text, printable
+from robodyn.report.sizes import Sizes, result_sizes, speed_unit
+from robodyn.report.table import (
+    Columns,
+    axis_text,
+    by_columns,
+    first_names,
+    is_noise,
+    moment,
+    number,
+    percent,
+    printable,
+)
 from robodyn.support.wording import count, figure
 
 if TYPE_CHECKING:
+    from robodyn.loads.constraint_result import Constraints
+    from robodyn.loads.uncertainty_result import Uncertain
     from robodyn.simulation.result import JointUse
 
 _WORDS = {
@@ -27,8 +37,8 @@ _WORDS = {
 }
 """Of a quantity what it is, and what limits it."""
 _WORST = ("over peak", "over continuous", "OK", "no limits")
-_FEW, _NAMED = 3, 8
-"""Joints that are named instead of counted, and that are named at most."""
+_NAMED = 8
+"""Joints that are named at most."""
 _MISSING = {"slip": "would slip", "pull": "had to pull", "tip": "would tip over", "fly": "stands on nothing"}
 _SHOWN = 3
 """Parameters that are named of each load, with more than `_LEAST` of its variance."""
@@ -36,58 +46,62 @@ _LEAST = 0.01
 _OF_LINKS = {"mass": "mass", "com": "centre of mass", "inertia": "inertia", "friction": "friction"}
 
 
-def sizing_sections(result: Result) -> Iterator[Section]:
+def sizing_sections(result: Result, sizing: Sizing) -> Iterator[Section]:
     """Yield use of joints, motors, bearings, foundation, and a verdict for each joint."""
-    sizing, size = result.sizing, result_sizes(result)
-    if sizing is None:
-        return
-    if sizing.joints:
-        yield [_use(result, sizing)]
-    if any(joint.motor for joint in sizing.joints):
-        yield [_motors(result, sizing)]
-    if sizing.bearings:
-        title = "Bearings: largest loads, parent on child, at the joint's origin"
-        rows = []
-        for bearing in sizing.bearings:
-            found = {part.name: part for part in (*bearing.components, bearing.radial, bearing.tilting)}
-            cells = [
-                number(found[name].peak, size[found[name].unit]) if name in found else "-"
-                for name in ("fu", "fv", "fa", "mu", "mv", "ma", "radial", "tilting")
-            ]
-            most = (found[name] for name in ("radial", "tilting"))
-            when = [moment(part.peak_time, part.peak, size[part.unit]) for part in most]
-            axes = (axis_text(axis, "{:.3g}", " ") for axis in bearing.directions)
-            rows.append((bearing.joint, *axes, *cells[:7], when[0], cells[7], when[1]))
-        head = ("joint", "u", "v", "axis a", "fu [N]", "fv", "fa", "mu [N m]", "mv", "ma")
-        yield [Table(title, (*head, "radial f", "at [s]", "tilting m", "at [s]"), rows)]
+    size = result_sizes(result)
+    rows, shafts = [], []
+    for joint, load in zip(sizing.joints, result.joints, strict=True):
+        unit, motor = joint.unit, joint.motor
+        row = [joint.name, f"{100 * joint.duty_cycle:.3g} %", size.amount(joint.mean_speed, speed_unit(unit))]
+        row += [size.amount(joint.static_peak, unit), size.number(joint.static_rms, unit)]
+        share = f"{number(100 * joint.static_share)} %" if joint.static_share >= 1e-5 else "0 %"
+        rows.append([*row, "-" if is_noise(load.rms, size[unit]) else share])
+        if motor is not None:
+            torque = max(size[unit] / motor.gear, abs(motor.peak))
+            speed = max(size[speed_unit(unit)] * motor.gear, abs(motor.max_speed))
+            row = [joint.name, f"{motor.gear:.6g}", f"{number(motor.peak, torque)} {motor.unit}"]
+            row += [moment(motor.peak_time, motor.peak, torque), number(motor.rms, torque)]
+            row += [f"{number(motor.max_speed, speed)} {motor.speed_unit}", size.number(motor.peak_power, "W")]
+            row += [size.number(work, "J") for work in (motor.work_positive, motor.work_negative)]
+            shafts.append([*row, "-" if motor.inertia_ratio is None else f"{motor.inertia_ratio:.3g}"])
+    head = ["joint", "duty", "mean speed", "static peak", "static RMS", "hold share"]
+    yield [Table("How joints are used", head, rows)] if rows else []
+    head = ["joint", "gear", "peak", "at [s]", "RMS", "max speed", "peak power [W]", "work [J]", "returned [J]"]
+    title = "Motors, torque and speed at their shafts"
+    yield [Table(title, [*head, "inertia ratio"], shafts)] if shafts else []
     rows = []
-    for load in sizing.foundation:
-        scale, row = size[load.unit], [f"{load.name[0].upper()}{load.name[1:]}"]
-        for value, time, unit in (
-            (load.greatest, load.greatest_time, f" {load.unit}"),
-            (load.least, load.least_time, ""),
-        ):
-            row += [f"{number(value, scale)}{unit}", moment(time, value, scale)]
-        rows.append((*row, number(load.mean, scale)))
-    foundation = ("", "greatest", "at [s]", "least", "at [s]", "mean")
-    yield [Table("Foundation: ground on robot, in the base's axes", foundation, rows)]
-    if sizing.joints:
-        yield [Paragraph("Verdicts"), verdicts(result.joints, sizing)]
-
-
-def verdicts(loads: Sequence[JointLoad], sizing: Sizing) -> Facts:
-    """Return of each joint in plain words what it exceeds, or how near it comes to its limits, the worst first."""
+    for bearing in sizing.bearings:
+        row = [bearing.joint, *(axis_text(axis, "{:.3g}", " ") for axis in bearing.directions)]
+        loads = {part.name: part for part in (*bearing.components, bearing.radial, bearing.tilting)}
+        for name in ("fu", "fv", "fa", "mu", "mv", "ma", "radial", "tilting"):
+            row.append(size.number(loads[name].peak, loads[name].unit) if name in loads else "-")
+            if name in ("radial", "tilting"):
+                row.append(size.moment(loads[name].peak_time, loads[name].peak, loads[name].unit))
+        rows.append(row)
+    head = ["joint", "u", "v", "axis a", "fu [N]", "fv", "fa", "mu [N m]", "mv", "ma"]
+    head += ["radial f", "at [s]", "tilting m", "at [s]"]
+    yield [Table("Bearings: largest loads, parent on child, at the joint's origin", head, rows)] if rows else []
+    columns: Columns[FoundationLoad] = [
+        ("", lambda load: f"{load.name[0].upper()}{load.name[1:]}"),
+        ("greatest", lambda load: size.amount(load.greatest, load.unit)),
+        ("at [s]", lambda load: size.moment(load.greatest_time, load.greatest, load.unit)),
+        ("least", lambda load: size.number(load.least, load.unit)),
+        ("at [s]", lambda load: size.moment(load.least_time, load.least, load.unit)),
+        ("mean", lambda load: size.number(load.mean, load.unit)),
+    ]
+    yield [Table("Foundation: ground on robot, in the base's axes", *by_columns(columns, sizing.foundation))]
     items = []
-    for load, joint in sorted(zip(loads, sizing.joints, strict=True), key=lambda pair: _WORST.index(pair[1].level)):
+    for load, joint in sorted(
+        zip(result.joints, sizing.joints, strict=True), key=lambda pair: _WORST.index(pair[1].level)
+    ):
+        nearness = ", ".join(f"{percent(share)} % of {what}" for share, what in uses(load, joint))
+        known = "OK" if joint.level == "OK" else "no limits are known"
         if not joint.exceeded:
-            nearness = ", ".join(
-                f"{'<1' if 0.0 < share < 0.5 else f'{share:.0f}'} % of {what}" for share, what in uses(load, joint)
-            )
-            known = "OK" if joint.level == "OK" else "no limits are known"
             items.append((joint.name, f"OK: {nearness}" if nearness else known))
         for k, exceeded in enumerate(joint.exceeded):
             items.append(("" if k else joint.name, f"{exceeded.level.upper()}: {in_words(exceeded)}"))
-    return Facts(tuple(items))
+    if items:
+        yield [Paragraph("Verdicts"), Facts(tuple(items))]
 
 
 def uses(load: JointLoad | JointUse, joint: JointSizing | None) -> list[tuple[float, str]]:
@@ -117,110 +131,64 @@ def in_words(exceeded: Exceeded) -> str:
     return text if exceeded.seconds is None else f"{text}, over for {exceeded.seconds:.3g} s in all"
 
 
-def _use(result: Result, sizing: Sizing) -> Table:
-    size = result_sizes(result)
+def constraint_sections(found: Constraints, size: Sizes) -> Iterator[Section]:
+    """Yield ranks and freedoms in words, then tables of loops, contacts, and what the motion lacks."""
+    yield paragraphs(["Constraints", *_constraint_lines(found)])
     rows = []
-    for joint, load in zip(sizing.joints, result.joints, strict=True):
-        torque, unit = size[joint.unit], speed_unit(joint.unit)
-        speed = size[unit]
-        row = [joint.name, f"{100 * joint.duty_cycle:.3g} %", f"{number(joint.mean_speed, speed)} {unit}"]
-        row += [moment(load.peak_row, load.peak, torque), number(load.peak_speed, speed)]
-        row += [moment(load.max_speed_time, load.max_speed, speed), number(load.torque_at_max_speed, torque)]
-        row += [number(load.least_power, size["W"]), f"{number(joint.static_peak, torque)} {joint.unit}"]
-        share = f"{number(100 * joint.static_share)} %" if joint.static_share >= 1e-5 else "0 %"
-        rows.append((*row, number(joint.static_rms, torque), "-" if is_noise(load.rms, torque) else share))
-    head = ["joint", "duty", "mean speed", "peak in row", "speed then", "max speed at [s]", "torque then"]
-    head += ["least power [W]", "static peak", "static RMS", "hold share"]
-    return Table("How joints are used", head, rows)
+    for loop in found.loops:
+        force, moment = loop.force, loop.moment.value
+        row = [loop.name, loop.link, loop.to, loop.kind, size.number(force.value, "N")]
+        row += [size.moment(force.time, force.value, "N"), size.number(loop.rms_force, "N")]
+        row += [size.number(moment, "N m"), size.number(loop.rms_moment, "N m")]
+        rows.append([*row, "yes" if loop.determined else f"but {', '.join(loop.open)}"])
+    head = ["loop", "on", "by", "kind", "force [N]", "at [s]", "RMS", "moment [N m]", "RMS", "determined"]
+    yield [Table("Loops: force and moment on the link", head, rows)] if rows else []
+    rows = []
+    for each in found.contacts:
+        force, used, margin = each.force, each.friction_used, each.margin
+        row = [each.name, f"{100 * each.on:.0f} %", size.number(force.value, "N")]
+        row += [size.moment(force.time, force.value, "N")]
+        row += [f"{size.number(each.least_normal.value, 'N')} to {size.number(each.normal.value, 'N')}"]
+        row += [f"{each.friction:g}", *([f"{100 * used.value:.0f}%", f"{used.time:.4g}"] if used else ["", ""])]
+        rows.append([*row, *([f"{1e3 * margin.value:.3g}", f"{margin.time:.4g}"] if margin else ["", ""])])
+    head = ["contact", "on", "force [N]", "at [s]", "along normal [N]", "friction", "of it used", "at [s]"]
+    head += ["margin [mm]", "at [s]"] if any(each.margin for each in found.contacts) else []
+    title = "Contacts: what the link stands on, while it does"
+    yield [Table(title, head, [row[: len(head)] for row in rows])] if rows else []
+    rows = [
+        [f"{x.start:.4g}", f"{x.end:.4g}", _MISSING[x.kind], figure(x.force.value), figure(x.moment.value)]
+        for x in found.missing
+    ]
+    head = ["from [s]", "to [s]", "the robot", "force missing [N]", "moment missing [N m]"]
+    yield [Table("Where no contact forces balance the motion", head, rows)] if rows else []
+    rows = [[x.name, f"{figure(x.most.value)} {x.unit}", f"{x.most.time:.4g}"] for x in found.unbalanced]
+    title = "What the motion takes at passive joints and nothing gives"
+    yield [Table(title, ["joint", "most", "at [s]"], rows)] if rows else []
 
 
-def _motors(result: Result, sizing: Sizing) -> Table:
-    size, rows = result_sizes(result), []
-    for joint in sizing.joints:
-        motor = joint.motor
-        if motor is None:
-            continue
-        torque = max(size[joint.unit] / motor.gear, abs(motor.peak))
-        speed = max(size[speed_unit(joint.unit)] * motor.gear, abs(motor.max_speed))
-        row = [joint.name, f"{motor.gear:.6g}", f"{motor.efficiency:g}", f"{number(motor.peak, torque)} {motor.unit}"]
-        row += [moment(motor.peak_time, motor.peak, torque), number(motor.peak_speed, speed), number(motor.rms, torque)]
-        row += [f"{number(motor.max_speed, speed)} {motor.speed_unit}", number(motor.torque_at_max_speed, torque)]
-        row += [number(motor.mean_speed, speed)]
-        row += [number(power, size["W"]) for power in (motor.peak_power, motor.least_power)]
-        row += [number(work, size["J"]) for work in (motor.work_positive, motor.work_negative)]
-        rows.append((*row, "-" if motor.inertia_ratio is None else f"{motor.inertia_ratio:.3g}"))
-    head = ["joint", "gear", "efficiency", "peak", "at [s]", "speed then", "RMS", "max speed", "torque then"]
-    head += ["mean speed", "peak power [W]", "least", "work [J]", "returned [J]", "inertia ratio"]
-    return Table("Motors, torque and speed at their shafts", head, rows)
-
-
-def constraint_tables(result: Result) -> Iterator[Table]:
-    """Yield tables of loops, contacts, spans without contact forces, what passive joints lack."""
-    found, size = result.constraints, result_sizes(result)
-    assert found is not None
-    if found.loops:
-        rows = []
-        for loop in found.loops:
-            most, turning = loop.force.value, loop.moment.value
-            row = [loop.name, loop.link, loop.to, loop.kind, size.number(most, "N")]
-            row += [size.moment(loop.force.time, most, "N"), size.number(loop.rms_force, "N")]
-            row += [size.number(turning, "N m"), size.number(loop.rms_moment, "N m")]
-            rows.append([*row, "yes" if loop.determined else f"but {', '.join(loop.open)}"])
-        head = ["loop", "on", "by", "kind", "force [N]", "at [s]", "RMS", "moment [N m]", "RMS", "determined"]
-        yield Table("Loops: force and moment on the link", head, rows)
-    if found.contacts:
-        rows = []
-        for each in found.contacts:
-            force, used, margin = each.force, each.friction_used, each.margin
-            row = [each.name, f"{100 * each.on:.0f} %", size.number(force.value, "N")]
-            row += [size.moment(force.time, force.value, "N")]
-            row += [f"{size.number(each.least_normal.value, 'N')} to {size.number(each.normal.value, 'N')}"]
-            row += [f"{each.friction:g}", *([f"{100 * used.value:.0f}%", f"{used.time:.4g}"] if used else ["", ""])]
-            row += [f"{1e3 * margin.value:.3g}", f"{margin.time:.4g}"] if margin else ["", ""]
-            rows.append([*row, point_text((1e3 * x for x in each.centre), reach=1e3) if each.centre else ""])
-        head = ["contact", "on", "force [N]", "at [s]", "along normal [N]", "friction", "of it used", "at [s]"]
-        head += ["margin [mm]", "at [s]", "centre of pressure [mm]"]
-        kept = 11 if any(each.margin for each in found.contacts) else 8
-        yield Table("Contacts: what the link stands on, while it does", head[:kept], [row[:kept] for row in rows])
-    if found.missing:
-        rows = [
-            [f"{x.start:.4g}", f"{x.end:.4g}", _MISSING[x.kind], figure(x.force.value), figure(x.moment.value)]
-            for x in found.missing
-        ]
-        head = ["from [s]", "to [s]", "the robot", "force missing [N]", "moment missing [N m]"]
-        yield Table("Where no contact forces balance the motion", head, rows)
-    if found.unbalanced:
-        rows = [[x.name, f"{figure(x.most.value)} {x.unit}", f"{x.most.time:.4g}"] for x in found.unbalanced]
-        title = "What the motion takes at passive joints and nothing gives"
-        yield Table(title, ["joint", "most", "at [s]"], rows)
-
-
-def constraint_lines(found: Constraints) -> Iterator[str]:
-    """Yield in words: ranks and freedoms, which torques are determined, how others were chosen, the least friction."""
-    names = list(found.determined)
-    who = first_names(names, _FEW) if len(names) <= _FEW else count(len(names), "joint")
-    drives = f"{who} {'drives' if len(names) == 1 else 'drive'}" if names else "no joint drives"
+def _constraint_lines(found: Constraints) -> Iterator[str]:
+    drives = count(len(found.determined), "joint drives", "joints drive")
     if found.equations:
         over = f", {found.overconstrained} of which others imply" if found.overconstrained else ""
         freedoms = count(found.freedoms, "degree of freedom", "degrees of freedom")
         spare = f", {found.redundancy} more than the freedoms that they drive" if found.redundancy else ""
-        yield f"{count(found.equations, 'equation')} of loops{over}; {freedoms}; {drives}{spare}."
-    else:
-        yield f"{drives}." if names else f"{drives[0].upper()}{drives[1:]}."
+        drives = f"{count(found.equations, 'equation')} of loops{over}; {freedoms}; {drives}{spare}"
+    yield f"{drives}."
     open_drives = [name for name, sure in found.determined.items() if not sure]
-    if found.determined and not open_drives:
-        yield "All torques are determined: no others balance the motion."
-    elif open_drives and len(open_drives) == len(found.determined):
-        yield f"No torque is determined by the motion alone: of all that balance it, {found.share} are taken."
-    elif open_drives:
-        open_names = first_names(open_drives, _NAMED)
+    if open_drives:
+        every = len(open_drives) == len(found.determined)
+        open_names = "all torques" if every else first_names(open_drives, _NAMED)
         yield f"Not determined by the motion alone: {open_names}; of all that balance it, {found.share} are taken."
-    if open_loops := [f"{loop.name} {', '.join(loop.open)}" for loop in found.loops if not loop.determined]:
-        yield f"Loop forces that are not determined, of which the least are given: {first_names(open_loops, _NAMED)}."
-    if found.undriven:
-        yield f"Moved by no drive: {first_names(found.undriven, _NAMED)}."
-    if found.followed:
-        yield f"Follow from the loops, for want of columns: {first_names(found.followed, _NAMED)}."
+    elif found.determined:
+        yield "All torques are determined: no others balance the motion."
+    open_loops = [f"{loop.name} {', '.join(loop.open)}" for loop in found.loops if not loop.determined]
+    for what, names in (
+        ("Loop forces that are not determined, of which the least are given", open_loops),
+        ("Moved by no drive", found.undriven),
+        ("Follow from the loops, for want of columns", found.followed),
+    ):
+        if names:
+            yield f"{what}: {first_names(names, _NAMED)}."
     if found.contacts:
         least = found.least_friction
         some = f"The least friction that suffices, alike at all contacts: {figure(least or 0.0)}."
@@ -231,47 +199,31 @@ def constraint_lines(found: Constraints) -> Iterator[str]:
         yield f"From {since} s on there are samples at which no contact forces keep the effort limits."
 
 
-def uncertainty_sections(result: Result) -> Iterator[Section]:
+def uncertainty_sections(found: Uncertain, size: Sizes) -> Iterator[Section]:
     """Yield error bars of joints, motors, bearings and the base, what makes them, and how likely limits are kept."""
-    found = result.uncertainty
-    if found is None:
-        return
-    size, drawn = result_sizes(result), list[str]()
-    motors = [each.motor for each in found.joints if each.motor is not None]
-    resultants = [
-        (joint, load) for joint, loads in found.bearings.items() for load in loads if load.name in ("radial", "tilting")
-    ]
-    joints = f"Joints: error bars of {count(len(found.parameters), 'uncertain parameter')}"
-    groups: dict[str, list[tuple[str, UncertainLoad]]] = {
-        joints: [(each.load.name, each.load) for each in found.joints],
-        "Motors: error bars": [(load.name, load) for load in motors],
-        "Bearings: error bars": [(f"{joint} {load.name}", load) for joint, load in resultants],
-        "Base wrench: error bars": [(load.name, load) for load in found.base],
-    }
-    for title, loads in groups.items():
-        if not any(load.shares or load.rms_shares for _, load in loads):
-            continue
-        rows = []
-        for name, load in loads:
-            row = [name]
-            for bar, unit in ((load.peak, f" {load.unit}"), (load.rms, "")):
-                error = "0" if is_noise(bar.standard_error, size[load.unit]) else f"{bar.standard_error:.2g}"
-                row += [f"{size.number(bar.value, load.unit)}{unit}", error]
-                row += [f"{size.number(bar.low, load.unit)} to {size.number(bar.high, load.unit)}"]
-            rows.append(row)
-            bars = {"peak": load.peak, "RMS": load.rms}
-            drawn += [f"{what} of {printable(name)}" for what, bar in bars.items() if bar.method == "draws"]
-        yield [Table(title, ("", "peak", "std error", "95 %", "RMS", "std error", "95 %"), rows)]
+    loads = [(each.load.name, each.load) for each in found.joints]
+    loads += [(f"motor of {each.motor.name}", each.motor) for each in found.joints if each.motor]
+    for joint, parts in found.bearings.items():
+        loads += [(f"bearing of {joint}, {part.name}", part) for part in parts if part.name in ("radial", "tilting")]
+    loads += [(f"base {load.name}", load) for load in found.base]
+    rows = []
+    for name, load in loads:
+        row = [name]
+        for bar, unit in ((load.peak, f" {load.unit}"), (load.rms, "")):
+            error = "0" if is_noise(bar.standard_error, size[load.unit]) else f"{bar.standard_error:.2g}"
+            low, high = size.number(bar.low, load.unit), size.number(bar.high, load.unit)
+            row += [f"{size.number(bar.value, load.unit)}{unit}", error, f"{low} to {high}"]
+        rows.append(row)
+    title = f"Error bars of {count(len(found.parameters), 'uncertain parameter')}"
+    yield [Table(title, ("", "peak", "std error", "95 %", "RMS", "std error", "95 %"), rows)]
     if found.joints:
         ranked = [(each.load.name, ranks(each.load.shares), ranks(each.load.rms_shares)) for each in found.joints]
         title = "Which parameters matter most, by their share of the variance"
         yield [Table(title, ("joint", "of the peak", "of the RMS"), ranked)]
     notes = []
-    if drawn:
-        what = (
-            f"By {found.draws} draws of the parameters, for they are not linear in them: {first_names(drawn, _SHOWN)}."
-        )
-        notes.append(f"{what} The other error bars are by derivatives.")
+    if any("draws" in (load.peak.method, load.rms.method) for _, load in loads):
+        what = f"are by {found.draws} draws of them; the others are by derivatives."
+        notes.append(f"Error bars of what is not linear in the parameters {what}")
     if any(name.rpartition(".")[2] not in _OF_LINKS for name in found.parameters):
         notes.append(
             "Parameters that the covariance does not name count as sure: what a log did not show, such as most of what "
@@ -279,12 +231,11 @@ def uncertainty_sections(result: Result) -> Iterator[Section]:
         )
     yield paragraphs(notes)
     chances = []
-    for joint in found.joints:
-        if joint.suffices is not None:
-            limits = [x for x in joint.limits if x.probability < 0.999]
-            unsure = ", ".join(f"{each.quantity} {probability(each.probability)}" for each in limits)
-            each = f"suffices with {probability(joint.suffices)}"
-            chances.append((joint.load.name, f"{each}: {unsure}" if unsure else each))
+    for each in found.joints:
+        if each.suffices is not None:
+            unsure = [f"{x.quantity} {probability(x.probability)}" for x in each.limits if x.probability < 0.999]
+            which = f": {', '.join(unsure)}" if unsure else ""
+            chances.append((each.load.name, f"suffices with {probability(each.suffices)}{which}"))
     if found.suffices is not None and len(chances) > 1:
         chances.append(("all joints", f"suffice with {probability(found.suffices)}"))
     if chances:

@@ -65,6 +65,11 @@ def number(x: float, scale: float = 0.0) -> str:
     return f"{x:#.4g}" if size >= 1e-3 else f"{x:.3e}"
 
 
+def percent(share: float) -> str:
+    """Return a share of 100 without digits behind the point."""
+    return "<1" if 0.0 < share < 0.5 else f"{share:.0f}"
+
+
 def is_noise(size: float, scale: float) -> bool:
     """Return whether a magnitude vanishes beside the largest of its case."""
     return size <= NEGLIGIBLE * scale

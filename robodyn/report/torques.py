@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Any
 
-from robodyn.loads.result import JointLoad, MomentumReport, Result
+from robodyn.loads.result import EffectReport, JointLoad, MomentumReport, Result
 from robodyn.report.document import Block, Paragraph, Section, Table, encode, paragraphs, remarks, select, written
 from robodyn.report.limits import (
     exceeded_section,
     limits_data,
-    torques_verdict,
+    limits_verdict,
     unchecked_words,
     use,
     verdict_on_limits,
 )
 from robodyn.report.sizes import Sizes, result_sizes, speed_unit
+from robodyn.report.sizing import constraint_sections, sizing_sections, uncertainty_sections
 from robodyn.report.table import (
     Columns,
     Content,
@@ -51,12 +52,9 @@ def torques_sections(result: Result, explain: bool = False) -> Iterator[Section]
         yield [Table("", *load_table(result))]
         yield [Table("What makes the peaks", *share_table(result))]
     if result.constraints:
-        from robodyn.report.sizing import constraint_lines, constraint_tables
-
-        yield paragraphs(["Constraints", *constraint_lines(result.constraints)])
-        yield from ([table] for table in constraint_tables(result))
+        yield from constraint_sections(result.constraints, size)
     if result.derivation:
-        yield [derivation_table(result.derivation, result.samples_suffice)]
+        yield [_derivation(result.derivation, result.samples_suffice)]
     wrench = []
     for part in result.base_wrench:
         unit = "N" if part.name[0] == "f" else "N m"
@@ -67,30 +65,26 @@ def torques_sections(result: Result, explain: bool = False) -> Iterator[Section]
     still = all(rms == "0" for *_, rms in wrench)
     yield [Paragraph(f"{title}: zero throughout") if still else Table(title, ("", "peak", "at [s]", "RMS"), wrench)]
     if result.momentum:
-        yield [momentum_table(result.momentum)]
+        yield [_momentum(result.momentum)]
     if result.sizing:
-        from robodyn.report.sizing import sizing_sections
-
-        yield from sizing_sections(result)
+        yield from sizing_sections(result, result.sizing)
     if result.uncertainty:
-        from robodyn.report.sizing import uncertainty_sections
-
-        yield from uncertainty_sections(result)
+        yield from uncertainty_sections(result.uncertainty, size)
     if explain:
-        yield [effect_table(result)]
+        yield [_effects(result)]
     checks, balance = result.checks, result.checks.energy_balance
     energies = balance.work, balance.energy_change, balance.residual, abs(balance.quadrature)
     work, stored, residual, sampling = (size.number(each, "J") for each in energies)
     laws = [relative_text(each) for each in (checks.first_law, checks.second_law, checks.power)]
-    active = {effect.name for effect in result.effects if effect.verdict.active}
-    losses = " less friction and drag" if active.intersection(_TAKES) else ""
-    lines = (
-        "Self-checks, from momenta and energy",
-        f"energy: work{losses} {work} J, stored {stored} J, residual {residual} J (sampling explains {sampling} J)",
-        f"laws at {count(result.checks.samples, 'sample')}, relative error: Euler's first {laws[0]}, second {laws[1]}, "
-        f"power {laws[2]}",
+    losses = " less friction and drag" if any(x.verdict.active and x.name in _TAKES for x in result.effects) else ""
+    yield paragraphs(
+        [
+            "Self-checks, from momenta and energy",
+            f"energy: work{losses} {work} J, stored {stored} J, residual {residual} J (sampling explains {sampling} J)",
+            f"laws at {count(checks.samples, 'sample')}, relative error: Euler's first {laws[0]}, second {laws[1]}, "
+            f"power {laws[2]}",
+        ]
     )
-    yield paragraphs(lines)
     yield exceeded_section(result)
     if result.accuracy:
         yield [Paragraph(f"accuracy: {'' if result.accuracy.met else 'NOT MET: '}{result.accuracy.said}")]
@@ -98,18 +92,12 @@ def torques_sections(result: Result, explain: bool = False) -> Iterator[Section]
 
 
 def _input_words(result: Result) -> Iterator[str]:
-    """Yield what a reader of a report has to know of the table to understand its numbers."""
     if result.origin:
         stamp = f"{result.origin:.6f}".rstrip("0").rstrip(".")
         yield f"Times count from the first stamp of the table, {stamp} s."
     if result.held:
-        units = {joint.name: "m" if joint.unit == "N" else "rad" for joint in result.joints}
-        places: dict[str, list[str]] = {}
-        for name, value in result.held.items():
-            floating = "m" if name[-2:] in ("_x", "_y", "_z") else ""
-            places.setdefault(f"{value:.6g} {units.get(name, floating)}".strip(), []).append(printable(name))
-        held = [f"at {place} {first_names(names, most=6)}" for place, names in places.items()]
-        yield f"Held still, for want of columns: {'; '.join(held)}."
+        held = [f"{name} at {value:.6g}" for name, value in result.held.items()]
+        yield f"Held still, for want of columns, in m or rad: {first_names(held, most=6)}."
 
 
 def outcome_line(outcome: Outcome) -> str:
@@ -152,10 +140,9 @@ def batch_sections(batch: Batch) -> Iterator[Section]:
     limits, over, failed = done[0].limits, sum(bool(outcome.exceeded) for outcome in done), batch.count("failed")
     lines = [*unchecked_words(limits)]
     caveats = {caveat.kind: caveat for outcome in done for caveat in reversed(outcome.caveats)}
-    for kind in caveats:
-        about = [(x.trajectory, caveat.text) for x in done for caveat in x.caveats if caveat.kind == kind]
-        others = f" and {count(len(about) - 1, 'other file')}" if len(about) > 1 else ""
-        lines.append(f"warning: {about[0][0]}{others}: {about[0][1]}")
+    for kind, first in caveats.items():
+        files = [outcome.trajectory for outcome in done if any(caveat.kind == kind for caveat in outcome.caveats)]
+        lines.append(f"warning: {first_names(files, most=1)}: {first.text}")
     verdict = verdict_on_limits(len(done[0].joints), (), limits, tuple(caveats.values()))
     said = f"LIMITS EXCEEDED in {count(over, 'file')}" if over else verdict.headline
     last = f"{count(failed, 'file')} failed; of the others: {said}" if failed else said + "." * (not over)
@@ -180,17 +167,19 @@ def load_table(result: Result) -> Content:
     return by_columns(columns, result.joints)
 
 
-def effect_table(result: Result) -> Table:
-    """Return which effects are on, what they cost, and why; what each takes beside the others where that is known."""
-    saved, rows = any(effect.saved is not None for effect in result.effects), []
-    for effect in result.effects:
-        on = effect.verdict.active
-        row = [effect.name, "on" if on else "off", str(effect.operations) if on else ""]
-        row += ["" if effect.saved is None or not on else str(effect.saved)] * saved
-        rows.append([*row, effect.verdict.reason])
-    head = ["effect", "", "operations alone", *["saved without"] * saved, "why"]
+def _effects(result: Result) -> Table:
+    columns: Columns[EffectReport] = [
+        ("effect", lambda effect: effect.name),
+        ("", lambda effect: "on" if effect.verdict.active else "off"),
+        ("operations alone", lambda effect: str(effect.operations) if effect.verdict.active else ""),
+        (
+            "saved without",
+            lambda effect: str(effect.saved) if effect.saved is not None and effect.verdict.active else "",
+        ),
+        ("why", lambda effect: effect.verdict.reason),
+    ]
     plan = f"{result.operations} operations per sample for the torques; {result.executor}: {result.reason}"
-    return Table(f"Effects: {plan}", head, rows)
+    return Table(f"Effects: {plan}", *by_columns(columns, result.effects))
 
 
 def share_table(result: Result) -> Content:
@@ -224,15 +213,18 @@ def _bar(joint: JointLoad, scale: float) -> str:
     return f"+- {bar:.2g}" if bar <= 2.0 * noise else f"within {bar:.2g}" + (f", noise {noise:.2g}" if noise else "")
 
 
-def derivation_table(derivation: Derivation, samples_suffice: bool = True) -> Block:
+def _derivation(derivation: Derivation, samples_suffice: bool) -> Block:
     """Return a line that names the methods, over joints with noise in their data; over all if methods differ."""
-    joints = derivation.joints
-    velocity = list(dict.fromkeys(joint.velocity for joint in joints if joint.velocity != "given"))
-    acceleration = list(dict.fromkeys(joint.acceleration for joint in joints if joint.acceleration != "given"))
-    several = len({*velocity, *acceleration}) > 1
-    quantities = " and ".join(name for name, used in (("velocity", velocity), ("acceleration", acceleration)) if used)
-    shown = [joint for joint in joints if joint.noise or several]
-    text = f"Derived: {quantities} by {'these methods' if several else (acceleration or velocity)[0]}"
+    used = {
+        "velocity": dict.fromkeys(joint.velocity for joint in derivation.joints if joint.velocity != "given"),
+        "acceleration": dict.fromkeys(
+            joint.acceleration for joint in derivation.joints if joint.acceleration != "given"
+        ),
+    }
+    methods = list(used["acceleration"] | used["velocity"])
+    shown = [joint for joint in derivation.joints if joint.noise or len(methods) > 1]
+    text = f"Derived: {' and '.join(name for name in used if used[name])} by "
+    text += "these methods" if len(methods) > 1 else methods[0]
     if not shown:
         return Paragraph(f"{text}; {'the data are clean' if samples_suffice else 'the samples are too few'}")
     columns: Columns[JointDerivation] = [
@@ -246,8 +238,7 @@ def derivation_table(derivation: Derivation, samples_suffice: bool = True) -> Bl
     return Table(text, *by_columns(columns, shown))
 
 
-def momentum_table(report: MomentumReport) -> Table:
-    """Return for each quantity its least and its greatest; the title says about what and in which frame."""
+def _momentum(report: MomentumReport) -> Table:
     from robodyn.dynamics.momenta import GROUND
 
     owner = "the ground" if report.frame == GROUND else printable(report.frame)
@@ -271,7 +262,8 @@ def momentum_table(report: MomentumReport) -> Table:
 
 def torques_json(result: Result) -> str:
     """Return the document of `torques`, with the keys of docs/reference/schemas; units are SI."""
-    effects, sizing = [], None
+    effects: list[Any] = []
+    sizing: Any = None
     for effect in result.effects:
         share = {joint.name: joint.shares[effect.name] for joint in result.joints if effect.name in joint.shares}
         one = select(effect, "name active:verdict.active reason:verdict.reason share operations", share=share)
@@ -284,30 +276,33 @@ def torques_json(result: Result) -> str:
         result,
         "robot samples duration gravity joints base_wrench effects checks plan derivatives time_origin:origin held "
         "limits_exceeded:exceeded limits within_limits verdict doubts:caveats warnings",
-        base_wrench={part.name: select(part, "peak peak_time rms") for part in result.base_wrench},
+        base_wrench=_by_name(result.base_wrench),
         effects=effects,
         checks=select(result.checks, "energy_balance first_law second_law power samples", energy_balance=balance),
         plan=select(result, "executor operations reason"),
         derivatives=result.derivation.joints if result.derivation else [],
         limits=limits_data(result.limits),
-        verdict=torques_verdict(result),
+        verdict=limits_verdict(result),
     )
     if result.sizing:
         bearings = []
         for bearing in result.sizing.bearings:
             directions = dict(zip(("u", "v", "axis"), bearing.directions, strict=True))
-            parts = {part.name: _unnamed(part) for part in (*bearing.components, bearing.radial, bearing.tilting)}
-            keys = "joint kind directions components"
-            bearings.append(select(bearing, keys, directions=directions, components=parts))
-        foundation = {load.name: _unnamed(load) for load in result.sizing.foundation}
-        sizing = select(result.sizing, "joints bearings foundation", bearings=bearings, foundation=foundation)
-    optional: dict[str, Any] = {"momentum": result.momentum, "accuracy": result.accuracy, "sizing": sizing}
+            parts = _by_name((*bearing.components, bearing.radial, bearing.tilting))
+            bearings.append({**select(bearing, "joint kind"), "directions": directions, "components": parts})
+        sizing = {
+            "joints": result.sizing.joints,
+            "bearings": bearings,
+            "foundation": _by_name(result.sizing.foundation),
+        }
+    optional = {"momentum": result.momentum, "accuracy": result.accuracy, "sizing": sizing}
     optional |= {"constraints": result.constraints, "uncertainty": result.uncertainty}
     return written({**document, **{key: part for key, part in optional.items() if part is not None}})
 
 
-def _unnamed(load: object) -> dict[str, Any]:
-    return {key: value for key, value in encode(load).items() if key != "name"}
+def _by_name(loads: Iterable[object]) -> dict[str, Any]:
+    found: list[dict[str, Any]] = [encode(load) for load in loads]
+    return {load.pop("name"): load for load in found}
 
 
 def batch_json(batch: Batch) -> str:

@@ -18,7 +18,7 @@ from robodyn.report import document as doc
 from robodyn.report import stage
 from robodyn.report.charts import Course, plane_chart, time_chart
 from robodyn.report.equations import action_table
-from robodyn.report.limits import effort_use, offenders, torques_verdict, use_bars, worst_joint
+from robodyn.report.limits import effort_use, limits_verdict, offenders, use_bars, worst_joint
 from robodyn.report.sizes import Sizes, free_body_sizes, result_sizes, speed_unit
 from robodyn.report.table import gravity_text, is_noise, moment, number, printable
 from robodyn.report.torques import load_table, torques_json, torques_sections
@@ -42,7 +42,7 @@ def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = Tr
         f"Torques along a motion: {count(len(result.joints), 'joint')}, {count(result.samples, 'sample')}, "
         f"{result.duration:.6g} s, {gravity_text(result.gravity)}"
     )
-    blocks: list[doc.Block] = [torques_verdict(result)]
+    blocks: list[doc.Block] = [limits_verdict(result)]
     head, rows = load_table(result)
     files = [("result.json", torques_json(result)), ("joints.csv", doc.csv_text(head, rows))]
     if pictures and result.history is not None:
@@ -321,13 +321,13 @@ def compared_sections(results: Sequence[tuple[str, Result]]) -> Iterator[doc.Sec
             most = max(map(abs, values))
             rows.append((joint.name, *(number(value, most) for value in values), unit_of(joint)))
         yield [doc.Table(title, ("joint", *(name for name, _ in results), ""), rows)]
-    yield doc.paragraphs([f"{printable(name)}: {torques_verdict(result).headline}." for name, result in results])
+    yield doc.paragraphs([f"{printable(name)}: {limits_verdict(result).headline}." for name, result in results])
 
 
 def compared_page(results: Sequence[tuple[str, Result]], model: Model, scene: Scene, pictures: bool) -> doc.Document:
     """Return runs of one robot laid over each other: robots and curves in the colour of their run."""
     levels = ("bad", "doubtful", "neutral", "good")
-    verdicts = [(name, torques_verdict(result)) for name, result in results]
+    verdicts = [(name, limits_verdict(result)) for name, result in results]
     worst = min((verdict.level for _, verdict in verdicts), key=levels.index)
     words = tuple(f"{printable(name)}: {verdict.headline}." for name, verdict in verdicts)
     blocks: list[doc.Block] = [doc.Verdict(worst, f"{len(results)} runs of {printable(model.name)}", words)]

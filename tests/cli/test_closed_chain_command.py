@@ -78,7 +78,7 @@ def test_torques_of_a_simulation_with_its_own_scene(pumped: tuple[Path, str], tm
     """The joints of [drive] drive, and what they did comes back; the columns of the loop's wrench are known."""
     table, out = pumped[0], tmp_path / "tau.csv"
     text = shown("torques", PUMP[0], str(table), *PUMP[1:], "--out", str(out))
-    assert "1 degree of freedom; main drives.\nAll torques are determined" in text
+    assert "1 degree of freedom; 1 joint drives.\nAll torques are determined" in text
     names = out.read_text().splitlines()[0].split(",")
     assert names == ["time", "tau_main", *(f"{part}_wrist_pin" for part in ("fx", "fy", "fz", "mx", "my", "mz"))]
     found, given = (np.loadtxt(path, delimiter=",", skiprows=1) for path in (out, table))

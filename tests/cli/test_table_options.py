@@ -46,7 +46,7 @@ def test_held_joints_are_in_text_json_and_page() -> None:
     """At rest where the finger that mimics it is within its limits, too."""
     refused(run("torques", "arm.urdf", "arm.csv"), "arm.csv:1: no position of joint 'finger' (--hold rest keeps joints")
     outcome = run("torques", "arm.urdf", "arm.csv", "--hold", "rest", "--report", "page.md")
-    said = "Held still, for want of columns: at 0.01 m finger."
+    said = "Held still, for want of columns, in m or rad: finger at 0.01."
     assert said in outcome.out
     assert said in Path("page.md").read_text()
     assert document("torques", "arm.urdf", "arm.csv", "--hold", "rest")["held"] == {"finger": 0.01}

@@ -10,7 +10,7 @@ from helpers.batch_runs import write_motion
 from helpers.command_line import ARM, motion, run
 
 from robodyn.errors import Caveat
-from robodyn.report.limits import unchecked_words, verdict_on_limits
+from robodyn.report.limits import exceeded_words, unchecked_words, verdict_on_limits
 from robodyn.robot.limits import Excess, coverage
 from robodyn.robot.load import load
 
@@ -70,10 +70,15 @@ def test_a_doubt_takes_the_green_away_and_goes_with_the_headline() -> None:
     verdict = verdict_on_limits(2, (), limits, caveats)
     assert verdict.headline == "No limit is exceeded as long as it holds, as far as it goes"
     assert (verdict.level, verdict.reasons) == ("doubtful", ("It may not hold.", "It may not go."))
-    red = verdict_on_limits(2, [Excess("elbow", "effort", 60.0, 50.0, "N m", 0.5, 0.1)], limits, caveats)
+    said = exceeded_words(Excess("elbow", "effort", 60.0, 50.0, "N m", 0.5, 0.1))
+    red = verdict_on_limits(2, [("elbow", said)], limits, caveats)
     assert (red.level, red.headline) == ("bad", "1 of 2 joints exceeds its limits")
-    assert red.reasons[-1] == (
-        "elbow needs a torque of 60.00 N m at 0.5 s, 120 % of its limit of 50 N m; it is beyond the limit for 0.1 s."
+    assert (
+        red.reasons[0]
+        == said
+        == (
+            "elbow needs a torque of 60.00 N m at 0.5 s, 120 % of its limit of 50 N m; it is beyond the limit for 0.1 s."
+        )
     )
 
 

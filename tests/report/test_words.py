@@ -52,7 +52,7 @@ def test_text_says_what_json_says(tmp_path):
     data = json.loads(run("torques", ARM, MOTION, "--scene", SCENE, "--format", "json").out)["uncertainty"]
     for joint in data["joints"]:
         peak, rms = joint["load"]["peak"], joint["load"]["rms"]
-        found = numbers_of(text, "Joints: error bars", joint["load"]["name"])
+        found = numbers_of(text, "Error bars of 22", joint["load"]["name"])
         assert len(found) == 8
         expected = [peak["value"], peak["standard_error"], peak["low"], peak["high"]]
         assert found[:4] == pytest.approx(expected, rel=0.05)
