@@ -93,22 +93,27 @@ def _ranks(counts: Counts) -> list[str]:
     return lines
 
 
-def acting(found: Dae, i: int) -> list[tuple[str, str, bool]]:
-    """Return what acts on body i, joints by number and loops as L1, L2 ...: of each the sign, "-" on the body that
-    holds the other, the name, and whether it carries a moment beside a force."""
+def laws(found: Dae, i: int) -> tuple[str, str]:
+    """Return the sums of Newton's and Euler's laws of body i: weight, joints by number, loops L1, L2 ..., wrenches of
+    the scene E; what it does to the bodies that it carries has a minus."""
     model, system = found.system.model, found.system
-    rates = [body.joint.rate for body in model.bodies]
-    driven = [bool(found.tau[rate : rate + 6].any()) for rate in rates]
+    driven = [bool(found.tau[body.joint.rate : body.joint.rate + 6].any()) for body in model.bodies]
     felt = [k for k, joint in enumerate(system.joints) if joint.kind != "floating" or driven[k]]
-    own = [("", str(i), True)] if i in felt else []
-    carried = [("-", str(k), True) for k in felt if model.parents[k] == i]
-    loops = [
-        (sign, f"L{k}", loop.kind not in ("point", "directions"))
-        for k, loop in enumerate(system.loops, 1)
-        for sign, end in (("", loop.body), ("-", loop.other))
-        if end == i
-    ]
-    return own + carried + loops
+    acting = [("", str(i), True)] if i in felt else []
+    acting += [("-", str(k), True) for k in felt if model.parents[k] == i]
+    for k, loop in enumerate(system.loops, 1):
+        turns = loop.kind not in ("point", "directions")
+        acting += [(sign, f"L{k}", turns) for sign, end in (("", loop.body), ("-", loop.other)) if end == i]
+    forces = [f"m{i} g"] if system.inertias[i].m and any(system.scene.gravity) else []
+    moments = []
+    for sign, name, turns in acting:
+        forces.append(f"{sign}F{name}")
+        moments += [f"{sign}M{name}"] * turns + [f"{sign}{'s' if sign else 'r'}{name} x F{name}"]
+    if any(body == i for body, _ in system.terms.wrenches):
+        forces.append(f"FE{i}")
+        moments.append(f"ME{i}")
+    newton, euler = (" + ".join(terms).replace("+ -", "- ") or "0" for terms in (forces, moments))
+    return newton, euler
 
 
 ALONG = """\
@@ -124,17 +129,6 @@ ACROSS = """\
 MIMIC = """\
   mimic joint  q_i - k q_j - q_0 = 0, and so on for its velocities and accelerations
 """
-WORDS = {
-    "fixed": "x = y; does not turn",
-    "revolute": "x = y; axis keeps its direction",
-    "prismatic": "x stays on the axis; does not turn",
-    "floating": "none",
-    "point": "x = y",
-    "hinge": "x = y; axis keeps its direction",
-    "weld": "x = y; does not turn",
-    "directions": "x level with y along n",
-    "mimic": "q_i - k q_j - q_0 = 0",
-}
 
 
 def dae_sections(found: Dae) -> Iterator[Section]:
@@ -153,13 +147,18 @@ def dae_sections(found: Dae) -> Iterator[Section]:
     ]
     unknowns = Table("Unknowns and equations", ("", "unknowns", "", "equations", ""), rows)
     yield [unknowns, *paragraphs(_ranks(counts))]
-    yield _bodies(found)
+    bodies = zip(system.model.bodies, system.inertias, strict=True)
+    each = [(f"{i} {body.name}", f"{number(float(own.m))} kg", *laws(found, i)) for i, (body, own) in enumerate(bodies)]
+    title = "Bodies: six coordinates each, Newton's and Euler's laws about the mass centre c"
+    legend = "F_i and M_i, drives included, act through joint i on body i and, opposite, on its parent, r and s from c"
+    laws_of = ("body", "mass", "m dv/dt =", "I_c wd + w x I_c w =")
+    yield [*_shortened(title, laws_of, each, "bodies"), Paragraph(legend)]
     yield _connections(found)
     places = [equation for equation in system.equations if isinstance(equation, Place)]
-    laws = ALONG * any(each.n.any() for each in places) + ACROSS * any(each.E.any() for each in places)
-    laws += MIMIC * any(isinstance(equation, Sum) for equation in system.equations)
+    held = ALONG * any(each.n.any() for each in places) + ACROSS * any(each.E.any() for each in places)
+    held += MIMIC * any(isinstance(equation, Sum) for equation in system.equations)
     where = "x is the joint's point of a body, y that of its parent p; r = x - c, s = x - c_p; n moves with p"
-    yield paragraphs([f"Constraints: {where}", *laws.splitlines()] if laws else [])
+    yield paragraphs([f"Constraints: {where}", *held.splitlines()] if held else [])
     yield from _numbers(found)
     lines = [f"Elimination of the reactions, to the ODE form with {system.model.n} velocities qd"]
     for k, step in enumerate(found.steps, 1):
@@ -179,26 +178,6 @@ def dae_sections(found: Dae) -> Iterator[Section]:
     yield remarks("warning", found.warnings)
 
 
-def _bodies(found: Dae) -> Section:
-    model, system = found.system.model, found.system
-    pushed = {i for i, _ in system.terms.wrenches}
-    rows = []
-    for i, (body, inertia) in enumerate(zip(model.bodies, system.inertias, strict=True)):
-        forces, moments, every = [], [], acting(found, i)
-        for sign, name, moment in every[:5]:
-            forces.append(f"{sign}F{name}")
-            moments += [f"{sign}M{name}"] * moment + [f"{sign}{'s' if sign else 'r'}{name} x F{name}"]
-        others = [f"... ({len(every) - 5} more)"] * (len(every) > 5) + ["E"] * (i in pushed)
-        weight = [f"m{i} g"] if inertia.m and any(system.scene.gravity) else []
-        laws = (weight + forces + others, moments + others)
-        newton, euler = (" + ".join(terms).replace("+ -", "- ") or "0" for terms in laws)
-        rows.append((f"{i} {body.name}", f"{number(float(inertia.m))} kg", newton, euler))
-    title = "Bodies: six coordinates each, Newton's and Euler's laws about the mass centre c"
-    legend = "F_i and M_i, drives included, act through joint i on body i and, opposite, on its parent, r and s from c"
-    head = ("body", "mass", "m dv/dt =", "I_c wd + w x I_c w =")
-    return [*_shortened(title, head, rows, "bodies"), Paragraph(legend)]
-
-
 def _connections(found: Dae) -> Section:
     model, system = found.system.model, found.system
     names = [body.name for body in model.bodies] + ["ground"]
@@ -215,7 +194,7 @@ def _connections(found: Dae) -> Section:
                 axis = f"a = {axis}" if axis[0] == "(" else axis
         row = [f"{label} {connection.name}".strip(), f"{names[connection.other]} - {names[connection.body]}"]
         row += [connection.kind, axis, str(f) if label else "-", str(len(connection.equations))]
-        rows.append((*row, WORDS[connection.kind], " ".join(connection.reactions) or "-"))
+        rows.append((*row, " ".join(connection.reactions) or "-"))
     if len(rows) > MOST and system.loops:  # what closes the loops comes first
         rows = [rows[k] for k in sorted(range(len(rows)), key=lambda k: numbered[k][0].isdigit())]
     oblique = any(name.endswith("a") for connection in system.connections for name in connection.reactions)
@@ -226,7 +205,7 @@ def _connections(found: Dae) -> Section:
         own = f"along its own coordinates, whose velocity is S v, a joint passes on tau{taken}"
         lines.append(f"{own}: S^T tau in f{rotors}")
     title = "Joints: a constraint equation and a reaction for each direction in which it holds"
-    head = ("joint", "between", "type", "axis", "f", "6 - f", "held", "reactions lambda")
+    head = ("joint", "between", "type", "axis", "f", "6 - f", "reactions lambda")
     return [*_shortened(title, head, rows, "joints"), *paragraphs(lines)]
 
 

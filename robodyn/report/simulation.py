@@ -10,11 +10,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from robodyn.report import document as doc
-from robodyn.report.charts import COLOURS, Course, plane_chart, time_chart
+from robodyn.report.charts import COLOURS, Course, time_chart
 from robodyn.report.limits import exceeded_section, limits_data, limits_verdict, use, use_bars, verdict_section
-from robodyn.report.sizes import MotionSizes, linear, simulation_sizes, sizes, speed_unit
-from robodyn.report.table import NEGLIGIBLE, NOISE, drift_text, first_names, gravity_text, moment, number, relative_text
-from robodyn.robot.model import Joint
+from robodyn.report.sizes import Sizes, motion_units, simulation_sizes, speed_unit
+from robodyn.report.table import drift_text, first_names, gravity_text, number, relative_text
 from robodyn.simulation.loop_figures import LoopFigures
 from robodyn.simulation.result import Simulation
 from robodyn.support.floats import Floats, ranked
@@ -43,33 +42,27 @@ def simulation_sections(result: Simulation, explain: bool = False) -> Iterator[d
             f"method: {method}, {result.steps} {length}, {result.evaluations} evaluations, {result.executor}",
         ]
     )
-    lengths, sliding = linear(result.model)
-    floating = (joint.name for joint in result.model.independent if joint.kind == "floating")
-    turns = {f"{name}_{part}" for name in floating for part in ("qx", "qy", "qz", "qw")}
-    rows = []
-    for k, (name, q) in enumerate(zip(result.model.coordinates, result.q.T, strict=True)):
-        unit = "m" if lengths[k] else "" if name in turns else "rad"
-        rows.append([name, unit, *(number(x, size.q[k]) for x in (q[0], q[-1], q.min(), q.max()))])
+    rows, (positions, speeds) = [], motion_units(result.model)
+    for name, unit, q in zip(result.model.coordinates, positions, result.q.T, strict=True):
+        rows.append([name, unit, *(size.number(x, unit) for x in (q[0], q[-1], q.min(), q.max()))])
     yield [doc.Table("", ("position", "unit", "at the start", "at the end", "least", "largest"), rows)]
     rows = []
-    for k, (name, qd, qdd) in enumerate(zip(result.model.rates, result.qd.T, result.qdd.T, strict=True)):
-        unit = "m/s" if sliding[k] else "rad/s"
-        speeds = (number(x, size.qd[k]) for x in (qd[0], qd[-1], np.abs(qd).max()))
-        rows.append([name, unit, *speeds, f"{number(np.abs(qdd).max(), size.qdd[k])} {unit}^2"])
+    for name, unit, qd, qdd in zip(result.model.rates, speeds, result.qd.T, result.qdd.T, strict=True):
+        row = [name, unit, *(size.number(x, unit) for x in (qd[0], qd[-1], np.abs(qd).max()))]
+        rows.append([*row, size.amount(np.abs(qdd).max(), f"{unit}^2")])
     yield [doc.Table("", ("speed", "unit", "at the start", "at the end", "largest", "largest acceleration"), rows)]
-    if result.joints:
-        rows = []
-        for k, joint in zip(result.driven, result.joints, strict=True):
-            load, speed, unit = size.tau[k], size.qd[k], speed_unit(joint.unit)
-            row = [joint.name, f"{number(joint.max_speed, speed)} {unit}"]
-            row += [moment(joint.max_speed_time, joint.max_speed, speed), use(joint.max_speed, joint.velocity_limit)]
-            peak = [f"{number(joint.peak, load)} {joint.unit}", moment(joint.peak_time, joint.peak, load)]
-            rows.append([*row, *(peak if joint.driven else ("-", "-")), use(joint.peak, joint.effort_limit)])
-        head = ("joint", "max speed", "at [s]", "of velocity limit", "drive's peak", "at [s]", "of effort limit")
-        yield [doc.Table("", head, rows)]
+    rows = []
+    for joint in result.joints:
+        unit = speed_unit(joint.unit)
+        row = [joint.name, size.moment(joint.max_speed_time, joint.max_speed, unit)]
+        row += [use(joint.max_speed, joint.velocity_limit)]
+        peak = [size.amount(joint.peak, joint.unit), size.moment(joint.peak_time, joint.peak, joint.unit)]
+        rows.append([*row, *(peak if joint.driven else ("-", "-")), use(joint.peak, joint.effort_limit)])
+    head = ("joint", "max speed at [s]", "of velocity limit", "drive's peak", "at [s]", "of effort limit")
+    yield [doc.Table("", head, rows)] if rows else []
     yield doc.paragraphs(_drift(result, size))
     if result.loops:
-        yield from _loops(result.loops, result.model.reach)
+        yield from _loops(result.loops, result.model.reach, size)
     if explain:
         effects = [(effect.name, "on" if why.active else "off", why.reason) for effect, why in result.effects]
         yield [doc.Table("Effects", ("effect", "", "why"), effects)]
@@ -82,23 +75,30 @@ def simulation_sections(result: Simulation, explain: bool = False) -> Iterator[d
     yield verdict_section(result)
 
 
-def _drift(result: Simulation, size: MotionSizes) -> Iterator[str]:
-    energy, kinetic = result.figures.energy, float(result.figures.kinetic.max())
-    relative = relative_text(result.energy_drift / kinetic if kinetic else 0.0)
-    start, end, work = (number(x, size.energy) for x in (energy[0], energy[-1], result.work[-1]))
-    drift = f"drift {drift_text(result.energy_drift, size.energy)} J, {relative} of the largest kinetic energy"
-    yield f"energy: {start} J at the start, {end} J at the end, work {work} J; {drift}"
+def _drift(result: Simulation, size: Sizes) -> Iterator[str]:
+    energy, figures = result.figures.energy, result.figures
+    start, end, work = (size.number(x, "J") for x in (energy[0], energy[-1], result.work[-1]))
+    yield f"energy: {start} J at the start, {end} J at the end, work {work} J; {_energy_drift(result, size)[1]}"
     if result.free:
         linear, angular = result.momentum_drift
-        most = float(np.abs(result.figures.linear).max())
-        turning = max(float(np.abs(result.figures.angular).max()), most * result.model.reach)
         yield (
-            f"momentum: drift {drift_text(linear, most)} N s linear, less the weight's, and "
-            f"{drift_text(angular, turning)} N m s angular, about the centre of mass"
+            f"momentum: drift {drift_text(linear, size['N s'])} N s linear, less the weight's, and "
+            f"{drift_text(angular, size['N m s'])} N m s angular, about the centre of mass"
         )
 
 
-def _loops(loops: LoopFigures, reach: float) -> Iterator[doc.Section]:
+def _energy_drift(result: Simulation, size: Sizes) -> tuple[float, str]:
+    """Return the drift of energy over the largest kinetic energy, and both in words."""
+    kinetic = float(result.figures.kinetic.max())
+    relative = result.energy_drift / kinetic if kinetic else 0.0
+    drift = f"drift {drift_text(result.energy_drift, size['J'])} J"
+    return (
+        relative,
+        f"{drift}, {relative_text(relative)} of the largest kinetic energy of {size.number(kinetic, 'J')} J",
+    )
+
+
+def _loops(loops: LoopFigures, reach: float, size: Sizes) -> Iterator[doc.Section]:
     """Yield ranks, what each loop carries at most, and how far it comes apart beside the robot's reach [m]."""
     kept = loops.equations - len(loops.dropped)
     lines = [f"loops: {count(loops.equations, 'equation')}, {loops.rank} of them independent at the start"]
@@ -108,14 +108,12 @@ def _loops(loops: LoopFigures, reach: float) -> Iterator[doc.Section]:
     if loops.rank < kept:
         lines.append(f"{kept - loops.rank} depend on the others there: how they share their reactions is arbitrary")
     yield doc.paragraphs(lines)
-    force, turning = (np.sqrt(np.square(loops.wrenches[:, :, part]).sum(axis=2)) for part in (slice(3), slice(3, 6)))
-    size = sizes(force.ravel().tolist(), turning.ravel().tolist(), reach)
     apart = max(reach, 1.0)
-    columns = loops.names, force.max(axis=0), turning.max(axis=0), loops.gap, loops.slip
-    rows = [
-        (name, number(f, size["N"]), number(m, size["N m"]), drift_text(gap, apart), drift_text(slip, apart))
-        for name, f, m, gap, slip in zip(*columns, strict=True)
-    ]
+    rows = []
+    for name, wrench, gap, slip in zip(loops.names, loops.wrenches.swapaxes(0, 1), loops.gap, loops.slip, strict=True):
+        force, turning = (np.sqrt(np.square(wrench[:, part]).sum(axis=1)).max() for part in (slice(3), slice(3, 6)))
+        row = [name, size.number(force, "N"), size.number(turning, "N m")]
+        rows.append([*row, drift_text(gap, apart), drift_text(slip, apart)])
     head = ("loop", "largest force [N]", "largest moment [N m]", "|phi| [m, rad]", "|phi'| [m/s, rad/s]")
     yield [doc.Table("", head, rows)]
 
@@ -123,13 +121,8 @@ def _loops(loops: LoopFigures, reach: float) -> Iterator[doc.Section]:
 def simulation_page(result: Simulation, pictures: bool = True) -> doc.Document:
     """Return how the motion ends and how far it can be trusted, then the motion itself."""
     what = f"Simulated motion: {result.model.n} degrees of freedom, {result.time[-1]:.6g} s, {result.steps} steps"
-    kinetic, size = float(result.figures.kinetic.max()), simulation_sizes(result).energy
-    relative = result.energy_drift / kinetic if kinetic else 0.0
-    energy = (
-        f"The energy drifts by {drift_text(result.energy_drift, size)} J, {relative_text(relative)} of the largest "
-        f"kinetic energy of {number(kinetic, size)} J."
-    )
-    end = f"{result.time[-1]:.6g} s"
+    relative, drift = _energy_drift(result, simulation_sizes(result))
+    energy, end = f"Energy: {drift}.", f"{result.time[-1]:.6g} s"
     verdict = doc.Verdict("good", f"The motion ran for its {end}, and its energy balances", (energy,))
     if result.ended:
         verdict = doc.Verdict("bad", f"The motion ended early, at {end}", (result.ended, energy))
@@ -152,41 +145,41 @@ def _moving(result: Simulation) -> Iterator[doc.Block]:
     """Yield the robot along its motion, how much of limits it uses, and curves of all that was recorded."""
     from robodyn.support.courses import Courses
 
-    plots = [*_plots(result)]
+    plots, size = [*_plots(result)], simulation_sizes(result)
     curves = {f"{plot.what} {label}": each for plot in plots for label, each in plot.curves.items()}
     courses = Courses(("time", *result.names), tuple(curves))
     courses.update([result.time, *result.columns.T], [*curves.values()])
     course = Course(courses)
     yield from _stage(result, course)
     yield from use_bars(result)
-    floating = [joint for joint in result.model.independent if joint.kind == "floating"]
     for heading, group in groupby(plots, key=lambda plot: plot.heading):
-        charts = [chart for joint in floating for chart in _path(result, joint, course)] if heading == "Base" else []
-        for what, unit, scale, each, limits, colour in (plot[1:] for plot in group):
-            shown = {label: course.curve(f"{what} {label}", scale) for label in each}
-            ends = (f"{name} {number(x.min(), scale)} to {number(x.max(), scale)} {unit}" for name, x in each.items())
-            levels = [(limit, "limit") for limit in limits if limit is not None]
-            look: dict[str, Any] = {"rows": course.rows, "levels": levels, "colours": COLOURS[colour:]}
+        charts = []
+        for plot in group:
+            what, unit, scale = plot.what, plot.unit, size[plot.unit]
+            shown = {label: course.curve(f"{what} {label}", scale) for label in plot.curves}
             if any(np.any(curve) for curve in shown.values()):
-                alt = f"{what} over time: {', '.join(ends)}"
+                ends = (
+                    f"{name} {number(x.min(), scale)} to {number(x.max(), scale)}" for name, x in plot.curves.items()
+                )
+                levels = [(limit, "limit") for limit in plot.limits if limit is not None]
+                alt = f"{what} [{unit}] over time: {', '.join(ends)}"
+                look: dict[str, Any] = {"rows": course.rows, "levels": levels}
                 charts.append(time_chart(f"{what} [{unit}]", alt, course.time, shown, unit, **look))
         yield from doc.titled(heading, doc.gallery(charts))
 
 
 class _Plot(NamedTuple):
-    """Curves (N,) by label of one unit; what is small beside the scale throughout is none."""
+    """Curves (N,) of one unit by label."""
 
     heading: str
     what: str
     unit: str
-    scale: float
     curves: dict[str, Floats]
     limits: Iterable[float | None] = ()
-    colour: int = 0
 
 
 def _plots(result: Simulation) -> Iterator[_Plot]:
-    model, size, figures = result.model, simulation_sizes(result), result.figures
+    model, figures = result.model, result.figures
     joints = [joint for joint in model.independent if joint.kind != "floating"]
     most = ranked(range(len(joints)), key=lambda k: float(np.ptp(result.q[:, joints[k].coordinate])))
     for k in sorted(most[:PLOTTED]):
@@ -194,11 +187,9 @@ def _plots(result: Simulation) -> Iterator[_Plot]:
         place, speed, load = ("m", "m/s", "force") if own.unit == "N" else ("rad", "rad/s", "torque")
         effort, velocity = ([x and -x, x] for x in (own.effort_limit, own.velocity_limit))
         q, qd, tau = result.q[:, at], result.qd[:, rate], result.tau[:, rate]
-        ends = (joints[k].lower, joints[k].upper)
-        yield _Plot("Joints", f"{name}: position", place, size.q[at], {"position": q}, ends)
-        yield _Plot("Joints", f"{name}: speed", speed, size.qd[rate], {"speed": qd}, velocity, 1)
-        drive = f"drive's {load}"
-        yield _Plot("Joints", f"{name}: {drive}", own.unit, size.tau[rate], {drive: tau}, effort, 2)
+        yield _Plot("Joints", f"{name}: position", place, {"position": q}, (joints[k].lower, joints[k].upper))
+        yield _Plot("Joints", f"{name}: speed", speed, {"speed": qd}, velocity)
+        yield _Plot("Joints", f"{name}: drive's {load}", own.unit, {f"drive's {load}": tau}, effort)
 
     def axes(vectors: Floats) -> dict[str, Floats]:
         return dict(zip("xyz", vectors.T, strict=True))
@@ -207,27 +198,21 @@ def _plots(result: Simulation) -> Iterator[_Plot]:
         if joint.kind == "floating":
             name, at, rate = joint.name, joint.coordinate, joint.rate
             turns, shifts = (axes(result.qd[:, k : k + 3]) for k in (rate, rate + 3))
-            yield _Plot("Base", f"{name}: position", "m", size.q[at], axes(result.q[:, at : at + 3]))
-            yield _Plot("Base", f"{name}: velocity", "m/s", size.qd[rate + 3], shifts)
-            yield _Plot("Base", f"{name}: angular velocity, in its own axes", "rad/s", size.qd[rate], turns)
+            yield _Plot("Base", f"{name}: position", "m", axes(result.q[:, at : at + 3]))
+            yield _Plot("Base", f"{name}: velocity", "m/s", shifts)
+            yield _Plot("Base", f"{name}: angular velocity, in its own axes", "rad/s", turns)
     if result.free:
-        linear, angular = (float(np.abs(each).max()) for each in (figures.linear, figures.angular))
-        angular = max(angular, linear * model.reach)
-        yield _Plot("Momenta", "Linear momentum", "N s", linear, axes(figures.linear))
-        yield _Plot("Momenta", "Angular momentum, about the mass centre", "N m s", angular, axes(figures.angular))
+        yield _Plot("Momenta", "Linear momentum", "N s", axes(figures.linear))
+        yield _Plot("Momenta", "Angular momentum, about the mass centre", "N m s", axes(figures.angular))
     if result.loops:
-        largest = 0.0
         for what, unit, first in (("Force", "N", 0), ("Moment", "N m", 3)):
             whole = np.sqrt(np.square(result.loops.wrenches[:, :, first : first + 3]).sum(axis=2))
             curves = dict(zip(result.loops.names[: len(COLOURS)], whole.T, strict=False))
-            largest = max(float(whole.max()), largest * model.reach)  # a moment also beside the force at the reach
-            yield _Plot("Loops", f"{what} of loops", unit, largest, curves)
+            yield _Plot("Loops", f"{what} of loops", unit, curves)
     work = result.work - result.work[0]
     parts = {"kinetic": figures.kinetic, "potential": figures.energy - figures.kinetic, "work done": work}
-    yield _Plot("Energy", "Energies, and work done by drives and wrenches", "J", size.energy, parts)
-    if result.energy_drift > NOISE * size.energy:
-        drift = {"drift": figures.energy - figures.energy[0] - work}
-        yield _Plot("Energy", "Drift: stored energy less work", "J", 0.0, drift, (), 5)
+    yield _Plot("Energy", "Energies, and work done by drives and wrenches", "J", parts)
+    yield _Plot("Energy", "Drift: stored energy less work", "J", {"drift": figures.energy - figures.energy[0] - work})
 
 
 def _stage(result: Simulation, course: Course) -> Iterator[doc.Block]:
@@ -256,19 +241,6 @@ def _stage(result: Simulation, course: Course) -> Iterator[doc.Block]:
     words += "; links are coloured by what their joints use of their limits, red above 100 %" if used else ""
     yield stage.stage(words, [stage.robot(model, [motion])], [shapes], marks=marks)
     yield from doc.paragraphs([why] if why else [])
-
-
-def _path(result: Simulation, joint: Joint, course: Course) -> Iterator[doc.Chart]:
-    """Yield the path of a floating joint in the plane in which it moves most."""
-    ways = {axis: course.frames[f"q_{joint.name}_{axis}"] for axis in "xyz"}
-    far = {axis: float(np.ptp(way)) for axis, way in ways.items()}
-    across, up = sorted(ranked("xyz", key=lambda axis: far[axis])[:2])
-    if max(far.values()) > NEGLIGIBLE * max(result.model.reach, 1.0):
-        words = f"{joint.name}: path over {across} and {up}"
-        alt = f"{words}: {number(far[across])} m along {across}, {number(far[up])} m along {up}"
-        dots = {"base": (ways[across], ways[up])}
-        look: dict[str, Any] = {"time": course.frames["time"], "equal": True}
-        yield plane_chart(words, alt, f"{across} [m]", f"{up} [m]", dots=dots, **look)
 
 
 def simulation_json(result: Simulation) -> str:

@@ -4,10 +4,9 @@ beside the largest force at the robot's reach, whose rounding makes its own, a p
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.programs.vectors import length, product
 from robodyn.report.table import moment, number
@@ -63,8 +62,7 @@ def result_sizes(result: Result) -> Sizes:
 def free_body_sizes(found: FreeBodies) -> Sizes:
     """Return those of the forces and moments on every body of a robot."""
     actions = [action for body in found.bodies for action in body.actions]
-    places = [body.pose.p for body in found.bodies]
-    places += [body.pose.p + product(body.pose.R, body.com) for body in found.bodies]
+    places = [place for body in found.bodies for place in (body.pose.p, body.pose.p + product(body.pose.R, body.com))]
     return sizes(
         (float(np.abs(action.force).max()) for action in actions),
         (float(np.abs(each).max()) for action in actions for each in (action.moment, action.at_origin)),
@@ -72,43 +70,35 @@ def free_body_sizes(found: FreeBodies) -> Sizes:
     )
 
 
-class MotionSizes(NamedTuple):
-    """The sizes of a simulated motion: (nq,) of positions, (n,) of speeds, accelerations and loads; of energies [J]."""
-
-    q: Floats
-    qd: Floats
-    qdd: Floats
-    tau: Floats
-    energy: float
-
-
-def simulation_sizes(result: Simulation) -> MotionSizes:
+def simulation_sizes(result: Simulation) -> Sizes:
     """Return those along a simulated motion: an angle beside 1 rad, a length beside the reach, an acceleration also
     beside the squared speed and gravity, a load beside the robot's weight."""
     model, figures, reach = result.model, result.figures, result.model.reach
-    lengths, sliding = linear(model)
     gravity = length(np.array(result.scene.gravity))
-    place = [1.0, max(reach, _largest(result.q[:, lengths]))]
-    turns, slides = _largest(result.qd[:, ~sliding]), _largest(result.qd[:, sliding])
-    speed = [turns, max(slides, turns * reach)]
-    spins = max(_largest(figures.qdd[:, ~sliding]), turns**2)
-    acceleration = [spins, max(_largest(figures.qdd[:, sliding]), spins * reach, gravity)]
-    weight = model.total_mass * gravity
-    force = max(_largest(figures.tau[:, sliding]), weight)
-    load = [max(_largest(figures.tau[:, ~sliding]), force * reach), force]
-    energy = max(_largest(figures.energy), _largest(figures.kinetic), _largest(result.work))
-    rates = (np.choose(sliding, each) for each in (speed, acceleration, load))
-    return MotionSizes(np.choose(lengths, place), next(rates), next(rates), next(rates), energy)
+    positions, speeds = (np.array(units) for units in motion_units(model))
+    slides, turns = speeds == "m/s", speeds == "rad/s"
+    size = Sizes({"rad": 1.0, "": 1.0, "m": max(reach, _largest(result.q[:, positions == "m"]))})
+    size["rad/s"] = _largest(result.qd[:, turns])
+    size["m/s"] = max(_largest(result.qd[:, slides]), size["rad/s"] * reach)
+    size["rad/s^2"] = max(_largest(figures.qdd[:, turns]), size["rad/s"] ** 2)
+    size["m/s^2"] = max(_largest(figures.qdd[:, slides]), size["rad/s^2"] * reach, gravity)
+    forces = [figures.tau[:, slides], *([result.loops.wrenches[..., :3]] if result.loops else [])]
+    size["N"] = max(*map(_largest, forces), model.total_mass * gravity)
+    size["N m"] = max(_largest(figures.tau[:, turns]), size["N"] * reach)
+    size["J"] = max(map(_largest, (figures.energy, figures.kinetic, result.work)))
+    size["N s"] = _largest(figures.linear)
+    size["N m s"] = max(_largest(figures.angular), size["N s"] * reach)
+    return size
 
 
-def linear(model: Model) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Return which coordinates are lengths, and which rates those of lengths."""
-    q, qd = [], []
+def motion_units(model: Model) -> tuple[list[str], list[str]]:
+    """Return the units of coordinates, "" for those of quaternions, and of rates."""
+    positions, speeds = [], []
     for joint in model.independent:
-        floats = joint.kind == "floating"
-        q += [True] * 3 + [False] * 4 if floats else [joint.kind == "prismatic"]
-        qd += [False] * 3 + [True] * 3 if floats else [joint.kind == "prismatic"]
-    return np.array(q, dtype=bool), np.array(qd, dtype=bool)
+        slides = joint.kind == "prismatic"
+        positions += ["m"] * 3 + [""] * 4 if joint.kind == "floating" else ["m" if slides else "rad"]
+        speeds += ["rad/s"] * 3 + ["m/s"] * 3 if joint.kind == "floating" else ["m/s" if slides else "rad/s"]
+    return positions, speeds
 
 
 def _largest(values: Floats) -> float:

@@ -150,7 +150,7 @@ def test_a_free_body_needs_no_constraints():
 
 def test_mimic_joints_have_an_equation():
     text = dae(GRIPPER)
-    assert re.search(r"^pinion follows jaw +palm - pinion +mimic .* q_i - k q_j - q_0 = 0 +M$", text, re.MULTILINE)
+    assert re.search(r"^pinion follows jaw +palm - pinion +mimic +- +- +1 +M$", text, re.MULTILINE)
     assert "degrees of freedom: 6 x 6 - 33 = 3" in text
 
 
@@ -184,7 +184,7 @@ def test_loops_of_a_scene():
     assert re.search(
         r"^3 crank_1 +1\.000 kg +m3 g \+ F3 - F4 - FL1 +.* - M4 - s4 x F4 - sL1 x FL1$", text, re.MULTILINE
     )
-    assert re.search(r"^L1 pin_1 +crank_1 - coupler_1 +point +- +3 +3 +x = y +Fx Fy Fz$", text, re.MULTILINE)
+    assert re.search(r"^L1 pin_1 +crank_1 - coupler_1 +point +- +3 +3 +Fx Fy Fz$", text, re.MULTILINE)
     assert re.search(r"^A0 +1\.2 +-1\.000 +3\.000 ", text, re.MULTILINE)
     assert re.search(r"^Both forms: against the closed chain in joint coordinates .* <1e-12 ", text, re.MULTILINE)
     found = dae_document(*call)

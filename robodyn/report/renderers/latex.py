@@ -2,12 +2,13 @@ r"""The closed form and the DAE form as LaTeX, to be put into a document that us
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from typing import Any
 
 from robodyn.equations.closed import Closed, decimal, module
 from robodyn.equations.dae.dae import Dae
-from robodyn.report.dae import acting
+from robodyn.report.dae import laws
 from robodyn.report.equations import checked
 from robodyn.report.table import printable
 from robodyn.support.wording import count
@@ -175,24 +176,16 @@ def dae_latex(found: Dae) -> str:
     numbered = [(str(i), joint) for i, joint in enumerate(system.joints) if joint.equations]
     numbered += [(str(mimic.body), mimic) for mimic in system.mimics]
     numbered += [(f"L{k}", loop) for k, loop in enumerate(system.loops, 1)]
-    laws, held = [], []
+    lines, held = [], []
     for i in range(counts.bodies):
-        forces, moments = [], []
-        for sign, name, moment in acting(found, i):
-            arm = "s" if sign else "r"
-            forces.append(f"{sign}F_{{{name}}}")
-            moments += [f"{sign}M_{{{name}}}"] * moment + [f"{sign}{arm}_{{{name}}} \\times F_{{{name}}}"]
-        weight = [f"m_{{{i}}} g"] if system.inertias[i].m and any(system.scene.gravity) else []
-        if any(body == i for body, _ in system.terms.wrenches):
-            forces.append(f"F^e_{{{i}}}")
-            moments.append(f"M^e_{{{i}}}")
+        newton, euler = (_symbols(law) for law in laws(found, i))
         spin = f"I_{{{i}}} \\dot{{\\omega}}_{{{i}}} + \\omega_{{{i}}} \\times I_{{{i}}} \\omega_{{{i}}}"
-        laws.append(f"m_{{{i}}} \\dot{{v}}_{{{i}}} &= {_summed(weight + forces)} \\\\\n{spin} &= {_summed(moments)}")
+        lines.append(f"m_{{{i}}} \\dot{{v}}_{{{i}}} &= {newton} \\\\\n{spin} &= {euler}")
     for name, connection in numbered:
         points, turns = (text.format(f"{{{name}}}") for text in HELD[connection.kind])
         line = f"& \\text{{{escaped(connection.name)}, {connection.kind}}} && {points}"
         held.append(f"{line} && {turns}" if turns else line)
-    parts = [title, BODIES, _aligned_lines(laws)]
+    parts = [title, BODIES, _aligned_lines(lines)]
     if held:
         six = 6 * counts.bodies
         index = f"Its differentiation index is {counts.index[0]}.\n" if counts.index else ""
@@ -206,9 +199,10 @@ def dae_latex(found: Dae) -> str:
     return "".join(parts) + (LOOPS if system.loops else "")
 
 
-def _summed(terms: Sequence[str]) -> str:
-    lines = [" + ".join(terms[k : k + MOST]) for k in range(0, len(terms), MOST)]
-    return " \\\\\n  &\\quad + ".join(lines).replace("+ -", "- ") or "0"
+def _symbols(law: str) -> str:
+    """Return a sum of `laws` in LaTeX's symbols, a long one on several lines."""
+    terms = re.split(r" (?=[+-] )", re.sub(r"([mFMrs])([LE]?\d+)", r"\1_{\2}", law).replace(" x ", r" \times "))
+    return " \\\\\n  &\\quad ".join(" ".join(terms[k : k + MOST]) for k in range(0, len(terms), MOST))
 
 
 def _aligned_lines(lines: Sequence[str]) -> str:
