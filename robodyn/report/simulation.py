@@ -76,7 +76,7 @@ def simulation_sections(result: Simulation, explain: bool = False) -> Iterator[d
 
 
 def _drift(result: Simulation, size: Sizes) -> Iterator[str]:
-    energy, figures = result.figures.energy, result.figures
+    energy = result.figures.energy
     start, end, work = (size.number(x, "J") for x in (energy[0], energy[-1], result.work[-1]))
     yield f"energy: {start} J at the start, {end} J at the end, work {work} J; {_energy_drift(result, size)[1]}"
     if result.free:

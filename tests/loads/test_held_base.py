@@ -196,7 +196,7 @@ def test_batches_say_what_is_assumed(files: tuple[str, str], tmp_path: Path) -> 
     assert outcome.status == 0
     said = outcome.out.splitlines()
     assert said[-1] == f"{HEADLINE}."
-    assert said[-2].startswith(f"warning: {files[1]} and 1 other file: the ground holds the base with 88.3 N and ")
+    assert said[-2].startswith(f"warning: {files[1]} and 1 more: the ground holds the base with 88.3 N and ")
     outcome = run(*call, "--executor", "numpy", "--base-held", "--format", "json")
     assert json.loads(outcome.out)["within_limits"] is True, "results of another assumption are not finished"
 
