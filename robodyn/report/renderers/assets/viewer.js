@@ -19,6 +19,7 @@ function makeViewer(figure, stage, arrays, rgb, onTime) {
   const canvas = $("canvas"), gl = canvas.getContext("webgl2", { alpha: false, antialias: true, preserveDrawingBuffer: true });
   if (!gl) {
     $("message").textContent = "This browser has no WebGL 2, which draws the robot. The tables have all numbers.";
+    figure.querySelectorAll(".room, .controls").forEach((idle) => idle.remove());
     return null;
   }
 
