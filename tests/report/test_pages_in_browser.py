@@ -49,8 +49,9 @@ CALLS = MOTIONS | {
 CLOCK = '[data-part="clock"]'
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
+    """Chromium, for no longer than these tests: its driver runs a loop of asyncio in which others could start none."""
     if CHROMIUM is None:
         assert not os.environ.get("ROBODYN_NEEDS_BROWSER"), "no Chromium is installed"
         pytest.skip("there is no Chromium")
@@ -81,14 +82,14 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
 
 @pytest.fixture
 def opened(browser: Any) -> Iterator[Callable[..., Any]]:
-    """Open a file, of which no request may leave, and on whose console nothing may be complained."""
+    """Open a file, of which no request may leave, and on whose console no error may stand."""
     contexts, said, asked, files = [], [], [], []
 
     def page(file: Path, width: int = 1300, **options: Any) -> Any:
         contexts.append(browser.new_context(viewport={"width": width, "height": 1000}, offline=True, **options))
         found = contexts[-1].new_page()
         found.on("pageerror", lambda error: said.append(str(error)))
-        found.on("console", lambda message: said.append(message.text))
+        found.on("console", lambda message: message.type == "error" and said.append(message.text))
         found.on("request", lambda request: asked.append(request.url))
         files.append(file.as_uri())
         found.goto(files[-1])
