@@ -209,6 +209,8 @@ def _single(call: Call, urdf: str, trajectory: str, loads: dict[str, Any], examp
 
 def _compared(call: Call, urdf: str, trajectories: tuple[str, ...], loads: dict[str, Any]) -> int:
     from robodyn.loads.torques import torques
+    from robodyn.report.document import written
+    from robodyn.report.torques import torques_json
     from robodyn.report.torques_page import compared_page, compared_sections
     from robodyn.trajectory.read import read_motion
 
@@ -219,7 +221,15 @@ def _compared(call: Call, urdf: str, trajectories: tuple[str, ...], loads: dict[
         expect(TABLE, name)
         with read_motion(name, model, scene, **call.reading) as reader:
             results.append((name, torques(model, reader, scene, history=call.pictured, **loads)))
-    answer(call, compared_sections(results), lambda pictures: compared_page(results, model, scene, pictures))
+
+    def json() -> str:
+        from json import loads as parsed
+
+        runs = [{"trajectory": name, **parsed(torques_json(result))} for name, result in results]
+        return written({"robot": model.name, "runs": runs})
+
+    document = partial(compared_page, results, model, scene)
+    answer(call, compared_sections(results), document, json=json)
     exceeded = any(result.within_limits is False for _, result in results)
     return int(call.fail_on_limits and exceeded)
 

@@ -189,3 +189,20 @@ def test_a_robot_on_its_feet(tmp_path: Path) -> None:
     labels = [str(each.attributes["aria-label"]) for each in page.elements if each.attributes.get("role") == "img"]
     assert "Contact lf: force along the normal against time, up to 61.05 N, on 63 % of it" in labels
     assert "contact forces on rf_foot" in page.all("main")[0].text
+
+
+def test_motions_are_laid_over_each_other(tmp_path: Path) -> None:
+    write_arm(tmp_path)
+    slow = tmp_path / "slow.csv"
+    head, *rows = (tmp_path / "arm.csv").read_text().splitlines()
+    slow.write_text("\n".join([head, *rows[: len(rows) // 2]]) + "\n")
+    calls = str(tmp_path / "arm.urdf"), str(tmp_path / "arm.csv"), str(slow), "--report", str(tmp_path / "both.html")
+    runs = json.loads(shown("torques", *calls, "--format", "json"))["runs"]
+    assert [Path(run["trajectory"]).name for run in runs] == ["arm.csv", "slow.csv"]
+    assert runs[0]["samples"] == len(rows)
+    page = page_of(tmp_path / "both.html")
+    text = " ".join(page.all("main")[0].text.split())
+    assert text.startswith("2 runs of arm")
+    for run in runs:
+        for joint in run["joints"]:
+            assert f"{joint['peak']:#.4g}" in text
