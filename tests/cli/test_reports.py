@@ -198,11 +198,11 @@ def test_motions_are_laid_over_each_other(tmp_path: Path) -> None:
     slow.write_text("\n".join([head, *rows[: len(rows) // 2]]) + "\n")
     calls = str(tmp_path / "arm.urdf"), str(tmp_path / "arm.csv"), str(slow), "--report", str(tmp_path / "both.html")
     runs = json.loads(shown("torques", *calls, "--format", "json"))["runs"]
-    assert [Path(run["trajectory"]).name for run in runs] == ["arm.csv", "slow.csv"]
+    assert [Path(each["trajectory"]).name for each in runs] == ["arm.csv", "slow.csv"]
     assert runs[0]["samples"] == len(rows)
     page = page_of(tmp_path / "both.html")
     text = " ".join(page.all("main")[0].text.split())
     assert text.startswith("2 runs of arm")
-    for run in runs:
-        for joint in run["joints"]:
+    for each in runs:
+        for joint in each["joints"]:
             assert f"{joint['peak']:#.4g}" in text
