@@ -37,11 +37,6 @@ function makeViewer(figure, stage, arrays, rgb, onTime) {
     const i = k % 4, j = k - i;
     return A[i] * B[j] + A[4 + i] * B[j + 1] + A[8 + i] * B[j + 2] + A[12 + i] * B[j + 3];
   });
-  const about = ([x, y, z], q) => {
-    const c = Math.cos(q), s = Math.sin(q), t = 1 - c;
-    return [t * x * x + c, t * x * y - s * z, t * x * z + s * y, t * x * y + s * z, t * y * y + c, t * y * z - s * x,
-      t * x * z - s * y, t * y * z + s * x, t * z * z + c];
-  };
   const ofQuaternion = (given) => {
     const length = Math.hypot(...given) || 1, [x, y, z, w] = given.map((each) => each / length);
     return [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w), 2 * (x * y + z * w),
@@ -77,7 +72,7 @@ function makeViewer(figure, stage, arrays, rgb, onTime) {
       const k = body.q, at = body.ratio * q[k] + body.offset;
       let local = place(body.R, body.p);
       if (body.kind === "floating") local = product(local, place(ofQuaternion(q.slice(k + 3, k + 7)), q.slice(k, k + 3)));
-      else if (body.kind === "revolute") local = product(local, place(about(body.axis, at), [0, 0, 0]));
+      else if (body.kind === "revolute") local = product(local, place(ofQuaternion([...times(body.axis, Math.sin(at / 2)), Math.cos(at / 2)]), [0, 0, 0]));
       else if (body.kind === "prismatic") local = product(local, place([1, 0, 0, 0, 1, 0, 0, 0, 1], times(body.axis, at)));
       found.push(body.parent < 0 ? local : product(found[body.parent], local));
     }
@@ -141,7 +136,8 @@ function makeViewer(figure, stage, arrays, rgb, onTime) {
     const grid = new Uint16Array(raw(corners)), at = new Float32Array(grid.length);
     grid.forEach((value, k) => { at[k] = low[k % 3] + step * value; });
     const faces = at.length / 3 > 65536 ? new Uint32Array(raw(indices)) : new Uint16Array(raw(indices));
-    return { ...solid(at, faces), corners: at };
+    const every = Math.ceil(at.length / 600), some = Array.from({ length: Math.floor(at.length / 3 / every) }, (_, k) => at.slice(3 * k * every, 3 * k * every + 3));
+    return { ...solid(at, faces), some };
   });
 
   // How far the base has gone since the start; the view goes with it where that is far.
@@ -151,32 +147,19 @@ function makeViewer(figure, stage, arrays, rgb, onTime) {
 
   // The room that all robots take along the motion, by the corners of their meshes and their joints, or seen from the base.
   const room = (followed) => {
-    let low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
-    const take = (point) => {
-      low = low.map((x, k) => Math.min(x, point[k]));
-      high = high.map((x, k) => Math.max(x, point[k]));
-    };
-    const [from, to] = span();
+    const points = [], [from, to] = span();
     for (let moment = 0; moment <= (to > from ? 8 : 0); moment++) {
       state.time = from + moment * (to - from) / 8;
       for (const robot of robots) {
-        const all = poses(robot, configuration(robot));
-        if (followed) {
-          const way = gone(all);
-          all.forEach((M) => way.forEach((x, i) => { M[12 + i] -= x; }));
-        }
+        const all = poses(robot, configuration(robot)), way = followed ? gone(all) : [0, 0, 0];
         robot.bodies.forEach((body, k) => {
-          take(all[k].slice(12, 15));
-          take(moved(all[k], body.centre));
-          for (const mesh of body.meshes) {
-            const corners = meshes[mesh].corners, every = 3 * Math.ceil(corners.length / 600);
-            for (let i = 0; i + 2 < corners.length; i += every) take(moved(all[k], corners.subarray(i, i + 3)));
-          }
+          const own = [[0, 0, 0], body.centre, ...body.meshes.flatMap((mesh) => meshes[mesh].some)];
+          points.push(...own.map((point) => add(moved(all[k], point), times(way, -1))));
         });
       }
     }
-    const middle = low.map((x, k) => (x + high[k]) / 2);
-    return { middle, size: Math.max(size(high.map((x, k) => x - low[k])), 1e-6), floor: low[2] };
+    const [low, high] = [Math.min, Math.max].map((extreme) => [0, 1, 2].map((i) => points.reduce((most, point) => extreme(most, point[i]), points[0][i])));
+    return { middle: times(add(low, high), 0.5), size: Math.max(size(add(high, times(low, -1))), 1e-6), floor: low[2] };
   };
   const near = room(true), whole = room(false), follows = whole.size > 2 * near.size, reach = follows ? near : whole;
   const home = { yaw: 0.9, pitch: 0.35, distance: 1.5 * reach.size, target: [...reach.middle] };
