@@ -36,12 +36,7 @@ def accuracy_sections(accuracy: Accuracy, target: float | None = None) -> Iterat
             row += [*_time(rung.time, scale), *[_count(rung.evaluations)] * moves, _count(rung.operations)]
             rows.append([*row, f"dominated by {other.name}" if other else "front"])
         title = f"{printable(accuracy.name)}: {ladder.title}{per}, errors against {ladder.reference}"
-        answer = []
-        if target is not None:
-            best, found = error_text(min(rung.error for rung in ladder.rungs)), ladder.cheapest(target)
-            none = f"no method reaches {target:g}; the best error is {best}"
-            answer.append(f"cheapest within {target:g}: {found.name}" if found else none)
-        yield [doc.Table(title, head, rows), *doc.paragraphs(answer)]
+        yield [doc.Table(title, head, rows), *doc.paragraphs([] if target is None else [_answer(ladder, target)])]
     if accuracy.prices:
         prices = [(price.name, *_time(price.time, 1e3)) for price in accuracy.prices]
         yield [doc.Table("Beside it", ("what", "time [ms]", "quartiles [ms]"), prices)]
@@ -70,19 +65,12 @@ def error_text(error: float) -> str:
 
 def accuracy_page(accuracy: Accuracy, target: float | None = None, pictures: bool = True) -> doc.Document:
     """Return the quickest method within the target, error against time, and every method in numbers."""
-    if target is None:
-        words = tuple(map(_front, accuracy.ladders))
-        verdict = doc.Verdict("neutral", "Methods that are worth their time", words)
-    else:
-        found = [(ladder, ladder.cheapest(target)) for ladder in accuracy.ladders]
-        met = all(rung is not None for _, rung in found)
-        reasons = []
-        for ladder, rung in found:
-            best = rung or min(ladder.rungs, key=lambda each: each.error)
-            who = f"{best.name} has" if rung else f"no method reaches it; the best is {best.name} with"
-            reasons.append(f"{ladder.title}: {who} an error of {error_text(best.error)}.")
+    verdict = doc.Verdict("neutral", "Methods that are worth their time", tuple(map(_front, accuracy.ladders)))
+    if target is not None:
+        met = all(ladder.cheapest(target) for ladder in accuracy.ladders)
         headline = f"The target of {target:g} {'is met' if met else 'is not met by every task'}"
-        verdict = doc.Verdict("good" if met else "bad", headline, tuple(reasons))
+        reasons = tuple(f"{ladder.title}: {_answer(ladder, target)}." for ladder in accuracy.ladders)
+        verdict = doc.Verdict("good" if met else "bad", headline, reasons)
     blocks: list[doc.Block] = [verdict]
     if pictures:
         blocks += doc.titled("Error against time", [_ladder_chart(ladder, target) for ladder in accuracy.ladders])
@@ -92,9 +80,15 @@ def accuracy_page(accuracy: Accuracy, target: float | None = None, pictures: boo
     return doc.page(name, what, blocks, accuracy_sections(accuracy, target), "", files, how)
 
 
+def _answer(ladder: Ladder, target: float) -> str:
+    if found := ladder.cheapest(target):
+        return f"cheapest within {target:g}: {found.name}"
+    return f"no method reaches {target:g}; the best error is {error_text(min(rung.error for rung in ladder.rungs))}"
+
+
 def _ladder_chart(ladder: Ladder, target: float | None) -> doc.Chart:
-    """Return error against time: every setting of a method a dot, with quartiles of its time, those worth it on a line;
-    an error of 0 two decades below every other."""
+    """Return error against time: every setting of a method a dot, those worth it on a line; an error of 0 two decades
+    below every other."""
     scale, unit = _UNITS[ladder.per]
     unit += " per sample" if ladder.per == "sample" else ""
     others = [error for error in (*(rung.error for rung in ladder.rungs), target) if error]
@@ -103,19 +97,13 @@ def _ladder_chart(ladder: Ladder, target: float | None) -> doc.Chart:
     for rung in ladder.rungs:  # one method with several settings, behind a comma, has one colour
         families.setdefault(rung.name.partition(",")[0], []).append(rung)
 
-    def places(rungs: Sequence[Rung], *times: str) -> tuple[Floats, Floats]:
-        across = [scale * getattr(rung.time, each) for rung in rungs for each in times]
-        return np.array(across), np.repeat([rung.error or zero for rung in rungs], len(times))
+    def places(rungs: Sequence[Rung]) -> tuple[Floats, Floats]:
+        return np.array([scale * rung.time.median for rung in rungs]), np.array([rung.error or zero for rung in rungs])
 
-    def line(x: Floats, y: Floats) -> tuple[Floats, Floats]:
-        cut = slice(2, None, 3)
-        x[cut] = y[cut] = np.nan
-        return x, y
-
-    lines = {"front": places(ladder.front, "median"), "quartiles": line(*places(ladder.rungs, "low", "high", "low"))}
+    lines = {"front": places(ladder.front)}
     if target is not None:
-        ends = [scale * each for rung in ladder.rungs for each in (rung.time.low, rung.time.high)]
-        lines[f"target {target:g}"] = np.array((min(ends), max(ends))), np.array((target, target))
+        times = places(ladder.rungs)[0]
+        lines[f"target {target:g}"] = np.array((times.min(), times.max())), np.array((target, target))
     exact = "" if all(rung.error for rung in ladder.rungs) else f"; errors of 0 stand at {zero:.0e}"
     said = {
         name: [f"{rung.name}, quartiles {_time(rung.time, scale)[1]} {unit}" for rung in rungs]
@@ -126,9 +114,9 @@ def _ladder_chart(ladder: Ladder, target: float | None) -> doc.Chart:
         f"Error against time of {len(ladder.rungs)} methods, on logarithmic axes; {_front(ladder)}",
         f"time [{unit}]",
         "largest error",
-        dots={name: places(rungs, "median") for name, rungs in families.items()},
+        dots={name: places(rungs) for name, rungs in families.items()},
         lines=lines,
-        colours={"front": "ink", "quartiles": "soft", f"target {target or 0:g}": "bad"},
+        colours={"front": "ink", f"target {target or 0:g}": "bad"},
         names=said,
         log=True,
     )
@@ -136,12 +124,9 @@ def _ladder_chart(ladder: Ladder, target: float | None) -> doc.Chart:
 
 def _front(ladder: Ladder) -> str:
     first, last = ladder.front[0], ladder.front[-1]
-    if first is last:
-        best = f"{first.name} is quickest and most accurate"
-        return f"{ladder.title}: {best}, with an error of {error_text(first.error)}."
     least, most, times = error_text(last.error), error_text(first.error), last.time.median / first.time.median
-    way = f"from {first.name}, with an error of {most}, to {last.name}, with {least}"
-    return f"{ladder.title}: {way} in {times:.3g} times the time."
+    way = f" to {last.name}, with {least} in {times:.3g} times the time" if first is not last else " alone"
+    return f"{ladder.title}: from {first.name}, with an error of {most},{way}."
 
 
 def doctor_sections(lines: tuple[Line, ...]) -> Iterator[doc.Section]:
@@ -153,9 +138,8 @@ def doctor_sections(lines: tuple[Line, ...]) -> Iterator[doc.Section]:
             said = ": ".join(text for text in (line.found, line.remark) if text)
             rows.append(f"  {line.name:<{wide}}  {line.verdict:<7}  {said}".rstrip())
         yield doc.paragraphs(rows)
-    broken, missing = (
-        ", ".join(line.name for line in lines if line.verdict == verdict) for verdict in ("broken", "missing")
-    )
+    broken = ", ".join(line.name for line in lines if line.verdict == "broken")
+    missing = ", ".join(line.name for line in lines if line.verdict == "missing")
     end = "everything that is needed works" if healthy(lines) else f"to be repaired: {broken}"
     yield [doc.Paragraph(f"{end}; missing: {missing}" if missing else end)]
 

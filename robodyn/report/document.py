@@ -137,21 +137,9 @@ class Downloads:
     notes: tuple[str, ...] = ()
 
 
-Block = (
-    Heading
-    | Paragraph
-    | Verdict
-    | Facts
-    | Table
-    | Bars
-    | Chart
-    | Gallery
-    | Stage
-    | Findings
-    | Levels
-    | Folded
-    | Downloads
-)
+Words = Heading | Paragraph | Facts | Table | Findings
+"""What text has."""
+Block = Words | Verdict | Bars | Chart | Gallery | Stage | Levels | Folded | Downloads
 Section = Sequence[Block]
 """Blocks that belong together: text has an empty line between sections."""
 

@@ -19,19 +19,15 @@ from robodyn.support.wording import count
 
 if TYPE_CHECKING:
     from robodyn.checks.check import Checked
-    from robodyn.programs.vectors import Array
     from robodyn.robot.masses.declared import LinkInertia, RobotInertia
     from robodyn.robot.masses.shapes import Comparison, LinkShapes
     from robodyn.solids.mass_properties import Combination
-    from robodyn.solids.mesh.symmetry_search import Axis, Plane
 
 
 AXES = ("x", "y", "z")
 _UNKNOWN = "an unknown amount (facets too coarse)"
 _MOST = 9
 """Planes and axes that are listed; of the others there is a count."""
-_HEAD = ("mass [kg]", "share [%]")
-_PLACED = tuple(f"{axis} [m]" for axis in AXES)
 
 
 def inertia_sections(parts: Sequence[Part], view: View) -> Iterator[Section]:
@@ -44,18 +40,15 @@ def inertia_sections(parts: Sequence[Part], view: View) -> Iterator[Section]:
         yield [amounts(part.body, reach, ", at an assumed density" if part.assumed else "", part.body.area)]
         yield from inertia_tables(part.body, view)
         yield _symmetry(part, reach)
-        lines = [
-            f"relative error of the volume: arithmetic {part.arithmetic:.0e} ({part.method}), "
-            f"rounding of the file at most {part.rounding:.0e}"
-        ]
+        arithmetic = f"arithmetic {part.arithmetic:.0e} ({part.method})"
+        lines = [f"relative error of the volume: {arithmetic}, rounding of the file at most {part.rounding:.0e}"]
+        lines += [] if part.union is None else [f"holes and overlaps: relative error at most {part.union:.0e}"]
         repairs = []
         for step in part.repairs:
             volumes = f"volume {number(step.volume_before)} to {number(step.volume_after)} m^3"
             repairs.append(f"{step.what}; {volumes}")
-        if part.union is not None:
-            lines.append(f"holes and overlaps: relative error at most {part.union:.0e}")
-        first, *more = paragraphs([*lines, *_tessellation(part, reach), *part.notes])
-        yield [first, *remarks("repaired", repairs), *more, *remarks("warning", part.warnings)]
+        lines += [*_tessellation(part, reach), *part.notes]
+        yield [*paragraphs(lines), *remarks("repaired", repairs), *remarks("warning", part.warnings)]
 
 
 def amounts(body: MassProperties, reach: float = 0.0, remark: str = "", area: float | None = None) -> Facts:
@@ -80,24 +73,23 @@ def inertia_tables(body: MassProperties, view: View) -> Iterator[Section]:
 
 
 def _symmetry(part: Part, reach: float) -> Section:
-    """Return planes and axes that hold or nearly do, and products that are 0 by them; nothing if none were sought."""
     found, rows = part.symmetry, []
     if found is None:
         return []
-    things: list[tuple[str, Array, str, Plane | Axis]] = [
-        ("plane", plane.normal, number(plane.offset, reach), plane) for plane in found.planes
-    ]
+    for plane in found.planes:
+        rows.append(("plane", plane.normal, number(plane.offset, reach), plane.asymmetry, plane.verdict))
     for axis in found.axes:
         name = "axis of revolution" if axis.fold == inf else f"axis, {axis.fold:.0f}-fold"
-        things.append((name, axis.direction, point_text(axis.point, reach), axis))
-    for name, direction, place, thing in things:
-        if thing.verdict != "none":
-            along = ", ".join(f"{x + 0.0:.4g}" for x in direction.round(9))
-            rows.append((name, f"({along})", f"{place} m", _short(thing.asymmetry, 1.0), thing.verdict))
-    if not rows:
+        rows.append((name, axis.direction, point_text(axis.point, reach), axis.asymmetry, axis.verdict))
+    cells = [
+        (name, f"({', '.join(f'{x + 0.0:.4g}' for x in way.round(9))})", f"{place} m", _short(asymmetry, 1.0), verdict)
+        for name, way, place, asymmetry, verdict in rows
+        if verdict != "none"
+    ]
+    if not cells:
         least = [f"; the nearest plane leaves {_percent(plane.asymmetry)} outside" for plane in found.planes[:1]]
         return paragraphs(["Symmetry", f"none{''.join(least)}"])
-    lines = [f"and {len(rows) - _MOST} more"] if len(rows) > _MOST else []
+    lines = [f"and {len(cells) - _MOST} more"] if len(cells) > _MOST else []
     products, density = [product for product in found.products if product.zero], part.body.density
     if products and density is not None:
         scale = float(np.trace(part.body.inertia))
@@ -105,7 +97,7 @@ def _symmetry(part: Part, reach: float) -> Section:
         names = ", I".join(product.axes for product in products)
         lines.append(f"0 by symmetry: I{names} (computed {computed} kg m^2)")
     head = ("", "normal or axis", "at", "asymmetry", "verdict")
-    return [Table("Symmetry", head, rows[:_MOST]), *paragraphs(lines)]
+    return [Table("Symmetry", head, cells[:_MOST]), *paragraphs(lines)]
 
 
 def _tessellation(part: Part, reach: float) -> Sequence[str]:
@@ -141,16 +133,10 @@ def _percent(share: float) -> str:
 def combination_sections(found: Combination, view: View) -> Iterator[Section]:
     """Yield the parts by mass, and the body that they make."""
     reach = float(np.abs(found.box).max())
-    rows = [
-        (part.name, *_mass_and_share(body, found.body), number(part.body.volume or 0.0), *_point(body, reach))
-        for part, body in zip(found.parts, found.placed, strict=True)
-    ]
-    heaviest = ranked(range(len(rows)), [body.mass for body in found.placed].__getitem__)
-    head = ("part", *_HEAD, "volume [m^3]", *_PLACED)
     repairs = [f"{part.name}: {step.what}" for part in found.parts for step in part.repairs]
     warnings = [f"{part.name}: {text}" for part in found.parts for text in part.warnings]
-    yield [Paragraph(f"{len(rows)} meshes as one rigid body")]
-    yield [Table("Parts by mass, with their centres of mass", head, [rows[k] for k in heaviest])]
+    yield [Paragraph(f"{len(found.parts)} meshes as one rigid body")]
+    yield [_by_mass("part", [part.name for part in found.parts], found.placed, found.body, reach)]
     yield [amounts(found.body, reach, ", at an assumed density" if any(part.assumed for part in found.parts) else "")]
     yield from inertia_tables(found.body, view)
     yield [*remarks("repaired", repairs), *remarks("warning", [*warnings, *found.warnings])]
@@ -160,20 +146,32 @@ def robot_sections(found: RobotInertia, view: View, checked: Checked) -> Iterato
     """Yield links by mass, the robot at its configuration in the frame of the base, and what a check says of it."""
     placed = [link.placed for link in found.links]
     reach = max(float(np.abs(body.com).max()) for body in placed)
-    rows = [
-        (link.name, *_mass_and_share(body, found.body), *_point(body, reach), f"{link.validity.slack:.3f}")
-        for link, body in zip(found.links, placed, strict=True)
-    ]
-    heaviest = ranked(range(len(rows)), [body.mass for body in placed].__getitem__)
     at = ", ".join(f"{name} {value:.6g}" for name, value in found.at.items()) or "no joint moves"
     what = f"{found.massive} of {found.count} links with mass, in the frame of the base"
     yield paragraphs([f"{printable(found.file)}: robot '{printable(found.name)}', {what}", f"at {at}"])
-    head = ("link", *_HEAD, *_PLACED, "slack")
-    yield [Table("Links by mass, with their centres of mass", head, [rows[k] for k in heaviest])]
+    slack = [f"{link.validity.slack:.3f}" for link in found.links]
+    yield [_by_mass("link", [link.name for link in found.links], placed, found.body, reach, slack)]
     yield [amounts(found.body, reach)]
     yield from inertia_tables(found.body, view)
     verdicts = [_physical(validity(found.body), " as a whole"), _checked(checked)]
     yield [*paragraphs(verdicts), *remarks("warning", found.warnings)]
+
+
+def _by_mass(
+    what: str,
+    names: Sequence[str],
+    bodies: Sequence[MassProperties],
+    whole: MassProperties,
+    reach: float,
+    slack: Sequence[str] = (),
+) -> Table:
+    rows = []
+    for k in ranked(range(len(bodies)), [body.mass for body in bodies].__getitem__):
+        mass, share = bodies[k].mass, bodies[k].mass / whole.mass
+        row = [names[k], number(mass), f"{100 * share:.1f}", *(number(x, reach) for x in bodies[k].com)]
+        rows.append([*row, *slack[k : k + 1]])
+    head = [what, "mass [kg]", "share [%]", "x [m]", "y [m]", "z [m]", *["slack"] * bool(slack)]
+    return Table(f"{what.capitalize()}s by mass, with their centres of mass", head, rows)
 
 
 def link_sections(file: str, found: LinkInertia, view: View, checked: Checked) -> Iterator[Section]:
@@ -221,14 +219,6 @@ def comparison_sections(found: Comparison) -> Iterator[Section]:
         yield [Table("", [*head, "I_1 ratio", "I_2 ratio", "I_3 ratio", "remarks"], rows), Paragraph(legend)]
     for title, part in (("Remarks", lines), ("Not compared", rest)):
         yield paragraphs([title, *part] if part else [])
-
-
-def _mass_and_share(body: MassProperties, whole: MassProperties) -> tuple[str, str]:
-    return number(body.mass), f"{100 * body.mass / whole.mass:.1f}"
-
-
-def _point(body: MassProperties, reach: float) -> tuple[str, ...]:
-    return tuple(number(x, reach) for x in body.com)
 
 
 def _checked(checked: Checked) -> str:

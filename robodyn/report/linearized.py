@@ -16,7 +16,6 @@ from robodyn.report import document as doc
 from robodyn.report.charts import plane_chart
 from robodyn.report.limits import exceeded_words
 from robodyn.report.table import number
-from robodyn.support.floats import first_largest
 from robodyn.support.wording import count
 
 _SAME = 0.1
@@ -38,22 +37,18 @@ def linearized_sections(found: Linearized, tabled: int = 16) -> Iterator[doc.Sec
     if found.held.any() and not found.motion.at_rest:
         lines.append("the torques added keep its speeds constant; they stay as they are in the linear equations")
     elif found.held.any():
-        k = first_largest(abs(found.held))
-        most = f"{found.held[k]:.4g} {units_of(found.model)[k]} at {found.model.rates[k]}"
-        added = f"it is no equilibrium: constant torques are added that hold it, {most} the largest"
-        lines.append(f"{added}; --equilibrium looks for a state without them")
+        lines.append("constant torques are added that hold it; --equilibrium looks for a state without them")
     if found.step is not None:
         step = f"steps of {found.step:.6g} s, inputs held in between"
         lines.append(f"A and B are those of {step}; modes are those of A before")
     yield doc.paragraphs(lines)
-    names, n, units = found.model.coordinates, len(found.qd), units_of(found.model)
-    floating = len(names) - n
-    state = [(name, f"{x:.6g}", "", "", "", "") for name, x in zip(names[: 7 * bool(floating)], found.q, strict=False)]
+    names, floating = found.model.coordinates, len(found.q) - len(found.qd)
+    state = [(name, f"{x:.6g}", "", "", "", "") for name, x in zip(names[: 7 * floating], found.q, strict=False)]
     largest = float(max(abs(found.held).max(initial=0.0), abs(found.drive).max(initial=0.0)))
-    for k, name in enumerate(found.model.rates):
-        position = "" if k < 6 * bool(floating) else f"{found.q[k + floating]:.6g}"
+    for k, (name, unit) in enumerate(zip(found.model.rates, units_of(found.model), strict=True)):
+        position = "" if k < 6 * floating else f"{found.q[k + floating]:.6g}"
         drive, added = (number(float(each[k]), largest) for each in (found.drive, found.held))
-        state.append((name, position, f"{found.qd[k]:.6g}", drive, added, units[k]))
+        state.append((name, position, f"{found.qd[k]:.6g}", drive, added, unit))
     yield [doc.Table("State", ("joint", "q", "qd", "drive", "torque added", "unit"), state)]
     rows = []
     for mode in modes:
@@ -96,7 +91,7 @@ def linearized_page(found: Linearized, pictures: bool = True) -> doc.Document:
         )
         some = [f"The slowest {_PICTURED} of {len(modes)} modes move."] if len(modes) > _PICTURED else []
         blocks += [doc.Heading("Modes"), stage.stage(words, [shown], [shapes], loop=True)]
-        blocks += [*doc.paragraphs([*some, *([why] if why else [])]), _pole_map(found)]
+        blocks += [*doc.paragraphs(filter(None, [*some, why])), _pole_map(found)]
     files, how = [("linear.json", linearized_json(found))], "robodyn linearize --format json prints it"
     what = "Linear equations near a state, and modes"
     *sections, _ = linearized_sections(found, _PRINTED)  # the last is the verdict
@@ -104,34 +99,30 @@ def linearized_page(found: Linearized, pictures: bool = True) -> doc.Document:
 
 
 def _named(found: Linearized, k: int) -> str:
-    mode, what = found.modes.modes[k], _kind(found.modes.modes[k])
-    if mode.oscillates:
-        what = f"{mode.frequency:.4g} Hz, damping ratio {mode.damping_ratio:.3g}"
-    elif not mode.undecided:
-        what = f"{what}, time constant {mode.time_constant:.4g} s"
-    return f"mode {k + 1}: {what}; {moves(found.model.rates, mode)}"
+    mode = found.modes.modes[k]
+    swings = f" at {mode.frequency:.4g} Hz" if mode.oscillates else ""
+    return f"mode {k + 1}: {_kind(mode)}{swings}; {moves(found.model.rates, mode)}"
 
 
 def _pole_map(found: Linearized) -> doc.Chart:
     """Return the eigenvalues in the complex plane, by whether they decay; the half where they grow is shaded."""
-    groups: dict[str, list[tuple[float, float, str]]] = {}
+    dots: dict[str, tuple[list[float], list[float]]] = {}
+    names: dict[str, list[str]] = {}
     for k, mode in enumerate(found.modes.modes):
         group = "neither" if mode.undecided else "grows" if mode.real > 0.0 else "decays"
         for imag in (mode.imag, -mode.imag)[: 1 + mode.oscillates]:
-            groups.setdefault(group, []).append((0.0 if mode.undecided else mode.real, imag, _named(found, k)))
-    parts = [(mode.real, mode.imag) for mode in found.modes.modes]
-    alt = f"Eigenvalues in the complex plane: {', '.join(f'{len(each)} {how}' for how, each in groups.items())}; "
-    most = max(abs(x) for part in parts for x in part)
-    alt += f"real parts {number(min(parts)[0], most)} to {number(max(parts)[0], most)} 1/s, "
-    alt += f"imaginary parts up to {number(max(imag for _, imag in parts))} rad/s"
-    columns = {how: [*zip(*each, strict=True)] for how, each in groups.items()}
+            x, y = dots.setdefault(group, ([], []))
+            x.append(0.0 if mode.undecided else mode.real)
+            y.append(imag)
+            names.setdefault(group, []).append(_named(found, k))
+    counts = ", ".join(f"{len(each)} {how}" for how, each in names.items())
     return plane_chart(
         f"Poles: eigenvalues of A{' in continuous time' if found.step else ''}; where the plane is shaded, modes grow",
-        alt,
+        f"Eigenvalues in the complex plane: {counts}; the table of modes has their values",
         "real part [1/s]",
         "imaginary part [rad/s]",
-        dots={how: (np.array(x), np.array(y)) for how, (x, y, _) in columns.items()},
-        names={how: names for how, (*_, names) in columns.items()},
+        dots={how: (np.array(x), np.array(y)) for how, (x, y) in dots.items()},
+        names=names,
         colours={"decays": "good", "grows": "bad", "neither": "doubtful"},
         spans=[(0.0, 1e300, "grows")],
     )
@@ -185,9 +176,7 @@ def stability(found: Linearized) -> doc.Verdict:
         verdict = doc.Verdict("doubtful", f"Neither stable nor unstable: {' and '.join(words)}")
     if found.exceeded:
         what = "The equilibrium is" if found.balanced else "The state is"
-        lines = map(exceeded_words, found.exceeded)
-        apart = verdict.headline[0].lower() + verdict.headline[1:]
-        reasons = (*lines, f"Without limits: {apart}.", *verdict.reasons)
+        reasons = (*map(exceeded_words, found.exceeded), f"Without limits: {verdict.headline}.", *verdict.reasons)
         return doc.Verdict("bad", f"{what} beyond limits: the robot cannot stay there", reasons)
     if not found.held.any() or not found.motion.at_rest:
         return verdict

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 
-from robodyn.report.table import PLAIN, number
 from robodyn.robot.kinematics import configuration, link_poses
 from robodyn.robot.model import Joint, Model
 from robodyn.scene.scene import DEFAULT
@@ -19,18 +18,7 @@ valid by itself. Numbers stand for what the description says, or for what only y
 def scene_toml(model: Model) -> str:
     """Return a scene with a robot's joints and links, what its description says of them, and each key explained; as
     written it makes no difference. Lines with `#` and no blank behind it are examples, each valid alone."""
-    blocks, rows = [_comment(_HEAD.format(name=toml_key(model.name)))], []
-    for joint in (body.joint for body in model.bodies if body.joint.kind != "fixed"):
-        turn, load = ("m", "N") if joint.kind == "prismatic" else ("rad", "N m")
-        kind = "continuous" if joint.continuous else joint.kind
-        units = (turn, turn, load, f"{turn}/s", f"{load} s/{turn}", load)
-        given = (joint.lower, joint.upper, joint.effort, joint.velocity, joint.damping or None, joint.friction or None)
-        cells = ["-" if value is None else f"{number(value)} {unit}" for value, unit in zip(given, units, strict=True)]
-        follows = f", follows {toml_key(joint.mimics)}" if joint.mimics else ""
-        rows.append((toml_key(joint.name), f"{kind}{follows}", *cells))
-    if model.n:
-        head = ("joint", "type", "lower", "upper", "effort", "velocity", "damping", "friction")
-        blocks.append(_comment(PLAIN.table((head, rows))))
+    blocks = [_comment(_HEAD.format(name=toml_key(model.name)))]
     blocks.append(_comment("Gravity in the axes of the ground, m/s^2.") + f"gravity = {list(DEFAULT.gravity)}\n")
     for text, lines in _sections(model):
         if lines:

@@ -30,12 +30,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class View:
-    """A page, which notebooks show.
-
-    Attributes:
-        name: of the robot.
-        html: the page as text, for a file.
-    """
+    """A page of a robot, which notebooks show; `html` is its text."""
 
     name: str
     html: str = field(repr=False)
@@ -78,10 +73,9 @@ def view_page(model: Model, motion: Motion | None, scene: Scene, at: Values | No
     said += beyond_limits(model, q)
     shapes, why = stage.shapes_of_bodies(model)
     robot = stage.robot(model, [stage.pose(model, q.tolist(), stage.weights(model, scene))])
-    blocks: list[doc.Block] = [
-        stage.stage("The robot, whose joints are moved below", [robot], [shapes], bars=bool(why))
-    ]
-    blocks += doc.paragraphs([*said, *([why] if why else [])])
+    words = "The robot, whose joints are moved below"
+    blocks: list[doc.Block] = [stage.stage(words, [robot], [shapes], bars=bool(why))]
+    blocks += doc.paragraphs(filter(None, [*said, why]))
     if model.description is not None:
         blocks.append(tree_table(list(branches(model.description)), "Links, and the joints that carry them"))
     what = f"{count(model.n, 'degree')} of freedom, {count(len(model.bodies), 'body', 'bodies')}"

@@ -120,17 +120,7 @@ of the body that carries $i$. Newton's and Euler's laws:
 """
 GENERAL = r"""
 with the joint's points $x_i = c_i + r_i$ and $y_i = c_p + s_i$ of body $i$ and of the body $p$ that carries it, and
-unit vectors $a$ fixed in body $i$, $b$ and $n$ fixed in body $p$. Differentiated once and twice, with
-$u = v_i + \omega_i \times r_i - v_p - \omega_p \times (x_i - c_p)$,
-\begin{align*}
-n \cdot u &= 0 \\
-n \cdot \bigl(\dot{v}_i + \dot{\omega}_i \times r_i - \dot{v}_p - \dot{\omega}_p \times (x_i - c_p)\bigr)
-  &= n \cdot \bigl(\omega_p \times (\omega_p \times (x_i - c_p)) + 2\,\omega_p \times u
-     - \omega_i \times (\omega_i \times r_i)\bigr) \\
-(a \times b) \cdot (\omega_i - \omega_p) &= 0 \\
-(a \times b) \cdot (\dot{\omega}_i - \dot{\omega}_p)
-  &= -\bigl((\omega_i \times a) \times b + a \times (\omega_p \times b)\bigr) \cdot (\omega_i - \omega_p)
-\end{align*}
+unit vectors $a$ fixed in body $i$, $b$ and $n$ fixed in body $p$.
 """
 SADDLE = r"""All equations together are the differential-algebraic system
 \[ M\,\dot{v} = f + G^T \lambda, \qquad g(x) = 0, \]
