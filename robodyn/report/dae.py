@@ -71,15 +71,13 @@ def _numbers(found: Dae) -> Iterator[Section]:
 
 def _ranks(counts: Counts) -> list[str]:
     six, rank, m = 6 * counts.bodies, counts.rank, counts.reactions
-    names: dict[str, list[str]] = {}
-    for connection, reaction in counts.redundant:
-        names.setdefault(connection, []).append(reaction)
-    listed = "; ".join(f"{printable(name)} {' '.join(parts)}" for name, parts in list(names.items())[:MOST])
-    redundant = f"{len(counts.redundant)} redundant ({listed}{'; ...' * (len(names) > MOST)})"
-    lines = [f"rank of G: {rank} of {m}, {redundant if names else 'no constraint is redundant'}"]
-    if names:
-        open_reactions = f"{len(counts.undetermined)} reactions open; those of redundant equations count as 0"
-        lines.append(f"  rigid bodies leave {open_reactions}")
+    lines = [f"rank of G: {rank} of {m}, no constraint is redundant"]
+    if counts.redundant:
+        listed = "; ".join(f"{printable(name)} {reaction}" for name, reaction in counts.redundant[:MOST])
+        more = "; ..." if len(counts.redundant) > MOST else ""
+        lines = [f"rank of G: {rank} of {m}, {len(counts.redundant)} redundant ({listed}{more})"]
+        left = f"{len(counts.undetermined)} reactions open; those of redundant equations count as 0"
+        lines.append(f"  rigid bodies leave {left}")
     lines.append(f"degrees of freedom: 6 x {counts.bodies} - {rank} = {six - rank}")
     if counts.index is None:
         lines.append("index: not defined, as accelerations and reactions do not follow from the equations")
@@ -186,14 +184,12 @@ def _connections(found: Dae) -> Section:
     numbered += [(f"L{k}", loop) for k, loop in enumerate(system.loops, 1)]
     rows = []
     for label, connection in numbered:
-        f, axis = 6 - len(connection.equations), "-"
-        if label.isdigit():
-            f = len(connection.free)
-            if connection.kind in ("revolute", "prismatic"):
-                axis = axis_text(model.bodies[int(label)].joint.axis)
-                axis = f"a = {axis}" if axis[0] == "(" else axis
+        freedoms, axis = 6 - len(connection.equations), "-"
+        if label.isdigit() and connection.kind in ("revolute", "prismatic"):
+            axis = axis_text(model.bodies[int(label)].joint.axis)
+            axis = f"a = {axis}" if axis[0] == "(" else axis
         row = [f"{label} {connection.name}".strip(), f"{names[connection.other]} - {names[connection.body]}"]
-        row += [connection.kind, axis, str(f) if label else "-", str(len(connection.equations))]
+        row += [connection.kind, axis, str(freedoms) if label else "-", str(len(connection.equations))]
         rows.append((*row, " ".join(connection.reactions) or "-"))
     if len(rows) > MOST and system.loops:  # what closes the loops comes first
         rows = [rows[k] for k in sorted(range(len(rows)), key=lambda k: numbered[k][0].isdigit())]

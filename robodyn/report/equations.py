@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import Any
 
 from robodyn.equations.closed import STATES, Closed, decimal
@@ -25,26 +25,17 @@ def ode_sections(ode: Ode) -> Iterator[Section]:
     yield paragraphs(
         [_head(ode.robot, len(ode.rates), ode.gravity, "base_qx" in ode.coordinates), _equation(ode.shares)]
     )
-    title: tuple[str, ...] = ("coordinate", "value")
-    configuration: list[Sequence[Any]] = [*zip(ode.coordinates, ode.q.tolist(), strict=True)]
-    if len(ode.q) == len(ode.qd):
-        title = ("joint", "q", "qd")
-        configuration = [(*pair, x) for pair, x in zip(configuration, ode.qd.tolist(), strict=True)]
-    else:
-        configuration += [(f"{name} per s", x) for name, x in zip(ode.rates, ode.qd.tolist(), strict=True) if x]
-    cells = [(name, *(f"{x:.6g}" for x in values)) for name, *values in configuration]
-    yield [Table("Configuration", title, cells)]
+    cells = [(name, f"{x:.6g}") for name, x in zip(ode.coordinates, ode.q.tolist(), strict=True)]
+    cells += [(f"{name} per s", f"{x:.6g}") for name, x in zip(ode.rates, ode.qd.tolist(), strict=True) if x]
+    yield [Table("Configuration", ("coordinate", "value"), cells)]
     mass = Table("Mass matrix M(q) [kg m^2, kg m or kg]", ("", *ode.rates), rows)
     singular = "M is singular to working precision: nothing resists some motion"
     yield [mass, Paragraph(singular if ode.cond == float("inf") else f"Condition number {ode.cond:.4g}")]
-    columns = [*ode.shares.values(), ode.bias]
-    scale = max(float(abs(column).max()) for column in columns)
-    cells = [
-        (name, *(number(float(column[i]), scale) for column in columns), ode.units[i])
-        for i, name in enumerate(ode.rates)
-    ]
+    columns = [each.tolist() for each in (*ode.shares.values(), ode.bias)]
+    scale = max(abs(x) for column in columns for x in column)
+    rows = [(name, *(number(x[i], scale) for x in columns), ode.units[i]) for i, name in enumerate(ode.rates)]
     head = ("joint", *ode.shares, "together", "unit")
-    yield [Table("What tau must supply where nothing accelerates", head, cells)]
+    yield [Table("What tau must supply where nothing accelerates", head, rows)]
     yield remarks("warning", ode.warnings)
 
 

@@ -37,7 +37,7 @@ def linearized_sections(found: Linearized, tabled: int = 16) -> Iterator[doc.Sec
     if found.held.any() and not found.motion.at_rest:
         lines.append("the torques added keep its speeds constant; they stay as they are in the linear equations")
     elif found.held.any():
-        lines.append("constant torques are added that hold it; --equilibrium looks for a state without them")
+        lines.append("it is no equilibrium: torques added hold it; --equilibrium looks for a state without them")
     if found.step is not None:
         step = f"steps of {found.step:.6g} s, inputs held in between"
         lines.append(f"A and B are those of {step}; modes are those of A before")

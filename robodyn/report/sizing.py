@@ -12,6 +12,7 @@ from robodyn.report.table import (
     Columns,
     axis_text,
     by_columns,
+    filled,
     first_names,
     is_noise,
     moment,
@@ -152,9 +153,8 @@ def constraint_sections(found: Constraints, size: Sizes) -> Iterator[Section]:
         row += [f"{each.friction:g}", *([f"{100 * used.value:.0f}%", f"{used.time:.4g}"] if used else ["", ""])]
         rows.append([*row, *([f"{1e3 * margin.value:.3g}", f"{margin.time:.4g}"] if margin else ["", ""])])
     head = ["contact", "on", "force [N]", "at [s]", "along normal [N]", "friction", "of it used", "at [s]"]
-    head += ["margin [mm]", "at [s]"] if any(each.margin for each in found.contacts) else []
-    title = "Contacts: what the link stands on, while it does"
-    yield [Table(title, head, [row[: len(head)] for row in rows])] if rows else []
+    head += ["margin [mm]", "at [s]"]
+    yield [Table("Contacts: what the link stands on, while it does", *filled(head, rows))] if rows else []
     rows = [
         [f"{x.start:.4g}", f"{x.end:.4g}", _MISSING[x.kind], figure(x.force.value), figure(x.moment.value)]
         for x in found.missing

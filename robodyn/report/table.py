@@ -25,7 +25,13 @@ Columns = list[tuple[str, Callable[[T], str]]]
 
 
 def by_columns(columns: Columns[T], things: Iterable[T]) -> Content:
-    return [title for title, _ in columns], [[cell(each) for _, cell in columns] for each in things]
+    return filled([title for title, _ in columns], [[cell(each) for _, cell in columns] for each in things])
+
+
+def filled(head: Sequence[str], rows: Sequence[Sequence[str]]) -> Content:
+    """Return a table without the columns whose cells are all empty."""
+    kept = [k for k in range(len(head)) if not rows or any(row[k] for row in rows)]
+    return [head[k] for k in kept], [[row[k] for k in kept] for row in rows]
 
 
 class Page(NamedTuple):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Any
 
-from robodyn.loads.result import EffectReport, JointLoad, MomentumReport, Result
+from robodyn.loads.result import JointLoad, MomentumReport, Result
 from robodyn.report.document import Block, Paragraph, Section, Table, encode, paragraphs, remarks, select, written
 from robodyn.report.limits import (
     exceeded_section,
@@ -21,6 +21,7 @@ from robodyn.report.table import (
     Columns,
     Content,
     by_columns,
+    filled,
     first_names,
     gravity_text,
     is_noise,
@@ -42,12 +43,17 @@ _UNITS = {"com": "m", "p": "kg m/s", "L": "kg m^2/s", "T": "J", "V": "J", "power
 
 
 def torques_sections(result: Result, explain: bool = False) -> Iterator[Section]:
-    """Yield joints, peaks, base loads, self-checks and so on, but the verdict; to explain also effects, their cost, the
-    plan."""
+    """Yield joints, peaks, base loads, self-checks and so on, but the verdict; to explain also effects and the plan."""
     size = result_sizes(result)
     what = f"{count(len(result.joints), 'joint')}, {count(result.samples, 'sample')}, {result.duration:.6g} s"
-    robot = f"{result.robot}: {what}, {gravity_text(result.gravity)}"
-    yield paragraphs([robot, *_input_words(result)])
+    lines = [f"{result.robot}: {what}, {gravity_text(result.gravity)}"]
+    if result.origin:
+        stamp = f"{result.origin:.6f}".rstrip("0").rstrip(".")
+        lines.append(f"Times count from the first stamp of the table, {stamp} s.")
+    if result.held:
+        held = [f"{name} at {value:.6g}" for name, value in result.held.items()]
+        lines.append(f"Held still, for want of columns, in m or rad: {first_names(held, most=6)}.")
+    yield paragraphs(lines)
     if result.joints:
         yield [Table("", *load_table(result))]
         yield [Table("What makes the peaks", *share_table(result))]
@@ -71,7 +77,14 @@ def torques_sections(result: Result, explain: bool = False) -> Iterator[Section]
     if result.uncertainty:
         yield from uncertainty_sections(result.uncertainty, size)
     if explain:
-        yield [_effects(result)]
+        rows = []
+        for effect in result.effects:
+            on, saved = effect.verdict.active, "" if effect.saved is None else str(effect.saved)
+            cost = [str(effect.operations), saved] if on else ["", ""]
+            rows.append([effect.name, "on" if on else "off", *cost, effect.verdict.reason])
+        plan = f"{result.operations} operations per sample for the torques; {result.executor}: {result.reason}"
+        head = ("effect", "", "operations alone", "saved without", "why")
+        yield [Table(f"Effects: {plan}", *filled(head, rows))]
     checks, balance = result.checks, result.checks.energy_balance
     energies = balance.work, balance.energy_change, balance.residual, abs(balance.quadrature)
     work, stored, residual, sampling = (size.number(each, "J") for each in energies)
@@ -89,15 +102,6 @@ def torques_sections(result: Result, explain: bool = False) -> Iterator[Section]
     if result.accuracy:
         yield [Paragraph(f"accuracy: {'' if result.accuracy.met else 'NOT MET: '}{result.accuracy.said}")]
     yield remarks("warning", result.warnings)
-
-
-def _input_words(result: Result) -> Iterator[str]:
-    if result.origin:
-        stamp = f"{result.origin:.6f}".rstrip("0").rstrip(".")
-        yield f"Times count from the first stamp of the table, {stamp} s."
-    if result.held:
-        held = [f"{name} at {value:.6g}" for name, value in result.held.items()]
-        yield f"Held still, for want of columns, in m or rad: {first_names(held, most=6)}."
 
 
 def outcome_line(outcome: Outcome) -> str:
@@ -131,9 +135,9 @@ def batch_sections(batch: Batch) -> Iterator[Section]:
             ("max speed", lambda joint: size.amount(joint.max_speed, speed_unit(joint.unit))),
             ("in", lambda joint: joint.max_speed_in),
             ("of velocity limit", lambda joint: use(joint.max_speed, joint.velocity_limit)),
+            ("verdict", lambda joint: joint.level or ""),
+            ("in", lambda joint: joint.level_in if joint.level else ""),
         ]
-        if batch.worst[0].level is not None:
-            columns += [("verdict", lambda joint: joint.level or ""), ("in", lambda joint: joint.level_in)]
         yield [Table("The worst of each joint", *by_columns(columns, batch.worst))]
     if not done:
         return
@@ -167,41 +171,20 @@ def load_table(result: Result) -> Content:
     return by_columns(columns, result.joints)
 
 
-def _effects(result: Result) -> Table:
-    columns: Columns[EffectReport] = [
-        ("effect", lambda effect: effect.name),
-        ("", lambda effect: "on" if effect.verdict.active else "off"),
-        ("operations alone", lambda effect: str(effect.operations) if effect.verdict.active else ""),
-        (
-            "saved without",
-            lambda effect: str(effect.saved) if effect.saved is not None and effect.verdict.active else "",
-        ),
-        ("why", lambda effect: effect.verdict.reason),
-    ]
-    plan = f"{result.operations} operations per sample for the torques; {result.executor}: {result.reason}"
-    return Table(f"Effects: {plan}", *by_columns(columns, result.effects))
-
-
 def share_table(result: Result) -> Content:
     """Return for every joint what each effect adds to its peak, without effects that add nothing."""
     joints, size = result.joints, result_sizes(result)
     names = [effect.name for effect in result.effects]
     present = [name for name in names if not all(is_noise(abs(j.shares.get(name, 0.0)), size[j.unit]) for j in joints)]
-    head, rows = ["joint", *present, "sum"], []
+    rows = []
     for joint in joints:
-        shares = (number(joint.shares[name], size[joint.unit]) for name in present)
-        rows.append([joint.name, *shares, f"{number(joint.peak, size[joint.unit])} {joint.unit}"])
+        scale, hold = size[joint.unit], number(joint.hold)
+        shares = (number(joint.shares[name], scale) for name in present)
+        bar, held = _bar(joint, scale), "" if hold == "0" else f"+- {hold}"
+        rows.append([joint.name, *shares, size.amount(joint.peak, joint.unit), bar, held])
     loops = result.constraints is not None and result.constraints.loops
     bars = "error (of accelerations)" if loops else "error (95 %)"  # derived velocities of loops count, too
-    for title, values in (
-        (bars, [_bar(joint, size[joint.unit]) for joint in joints]),
-        ("friction holds", [f"+- {hold}" if (hold := number(joint.hold)) != "0" else "" for joint in joints]),
-    ):
-        if any(values):
-            head.append(title)
-            for row, value in zip(rows, values, strict=True):
-                row.append(value)
-    return head, rows
+    return filled(["joint", *present, "sum", bars, "friction holds"], rows)
 
 
 def _bar(joint: JointLoad, scale: float) -> str:
@@ -215,16 +198,12 @@ def _bar(joint: JointLoad, scale: float) -> str:
 
 def _derivation(derivation: Derivation, samples_suffice: bool) -> Block:
     """Return a line that names the methods, over joints with noise in their data; over all if methods differ."""
-    used = {
-        "velocity": dict.fromkeys(joint.velocity for joint in derivation.joints if joint.velocity != "given"),
-        "acceleration": dict.fromkeys(
-            joint.acceleration for joint in derivation.joints if joint.acceleration != "given"
-        ),
-    }
-    methods = list(used["acceleration"] | used["velocity"])
-    shown = [joint for joint in derivation.joints if joint.noise or len(methods) > 1]
-    text = f"Derived: {' and '.join(name for name in used if used[name])} by "
-    text += "these methods" if len(methods) > 1 else methods[0]
+    joints = derivation.joints
+    what = [each for each in ("velocity", "acceleration") if any(getattr(joint, each) != "given" for joint in joints)]
+    methods = dict.fromkeys(getattr(joint, each) for joint in joints for each in what)
+    methods.pop("given", None)
+    shown = [joint for joint in joints if joint.noise or len(methods) > 1]
+    text = f"Derived: {' and '.join(what)} by {'these methods' if len(methods) > 1 else ''.join(methods)}"
     if not shown:
         return Paragraph(f"{text}; {'the data are clean' if samples_suffice else 'the samples are too few'}")
     columns: Columns[JointDerivation] = [
@@ -252,10 +231,9 @@ def _momentum(report: MomentumReport) -> Table:
     scales["T"] = scales["V"] = max(scales["T"], scales["V"])
     rows = []
     for kind, row in zip(kinds, report.ranges, strict=True):
-        cells = [f"{row.name} [{_UNITS[kind]}]"]
-        for value, time in ((row.least, row.least_time), (row.greatest, row.greatest_time)):
-            cells += [number(value, scales[kind]), moment(time, value, scales[kind])]
-        rows.append(cells)
+        least = number(row.least, scales[kind]), moment(row.least_time, row.least, scales[kind])
+        most = number(row.greatest, scales[kind]), moment(row.greatest_time, row.greatest, scales[kind])
+        rows.append((f"{row.name} [{_UNITS[kind]}]", *least, *most))
     title = f"Momentum and energy in the frame of {owner}, L about {about}; power is tau . qd"
     return Table(title, ("", "least", "at [s]", "greatest", "at [s]"), rows)
 

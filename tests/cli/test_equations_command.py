@@ -28,7 +28,7 @@ def test_text():
         "Mass matrix M(q) [kg m^2, kg m or kg]",
         "What tau must supply where nothing accelerates",
     ]
-    assert re.search(r"^wrist +0\.2 +-1$", text, re.MULTILINE)
+    assert re.search(r"^wrist +0\.2$", text, re.MULTILINE)
     assert re.search(r"^joint +gravity +coriolis +payload +viscous friction .* together +unit$", text, re.MULTILINE)
     assert re.search(r"^Condition number \d+\.\d$", text, re.MULTILINE)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import os
 from collections.abc import Callable, Sequence
 from functools import cache
@@ -17,7 +16,7 @@ from robodyn.checks.check import Checked, Unread
 from robodyn.checks.groups import file_by_file, fingerprints
 from robodyn.checks.rule import Finding, Rule, Severity
 from robodyn.report.check import further
-from robodyn.report.document import code_lines
+from robodyn.report.document import code_lines, finite
 from robodyn.report.table import printable
 from robodyn.robot.urdf.document import Document, SourcePositions
 from robodyn.support.wording import count
@@ -45,9 +44,7 @@ def check_junit(checked: Checked, strict: bool = False) -> str:
         for one in findings:
             place = f"{one.file}:{one.line}:{one.column}"
             name = _attribute(f"{one.code} {one.name} {one.line}:{one.column}")
-            cause = f"\ncause: {one.cause}" if one.cause else ""
-            also = "".join(f"\nalso: {line}" for line in further(one))
-            said = f"{place}: {one.severity.value}: {one.message}{also}{cause}\nremedy: {one.remedy}"
+            said = "\n".join([f"{place}: {one.severity.value}: {one.message}", *_below(one)])
             text = escape(code_lines(said), quote=False)  # html's, for those of xml bring a client for HTTP along
             what = f"<system-out>{text}</system-out>"
             if one.severity in fatal:
@@ -72,6 +69,11 @@ def check_junit(checked: Checked, strict: bool = False) -> str:
     return "\n".join(['<?xml version="1.0" encoding="UTF-8"?>', head, *suites, "</testsuites>\n"])
 
 
+def _below(finding: Finding) -> list[str]:
+    cause = [f"cause: {finding.cause}"] if finding.cause else []
+    return [*(f"also: {line}" for line in further(finding)), *cause, f"remedy: {finding.remedy}"]
+
+
 def _attribute(text: str) -> str:
     return '"{}"'.format(escape(printable(text), quote=False).replace('"', "&quot;"))
 
@@ -82,13 +84,10 @@ def check_github(findings: Sequence[Finding], unread: Sequence[Unread] = ()) -> 
     lines = []
     for finding in file_by_file(findings):
         of = "" if finding.description is None else f" (in {finding.description})"
-        parts = [finding.message + of, *(f"also: {line}" for line in further(finding))]
-        parts += [f"cause: {finding.cause}"] if finding.cause else []
-        message = "\n".join(map(printable, [*parts, f"remedy: {finding.remedy}"]))
-        properties = {"file": _path(finding.file), "line": str(finding.line), "col": str(finding.column)}
-        properties["title"] = f"{finding.code} {finding.name}"
-        listed = ",".join(f"{key}={_property(value)}" for key, value in properties.items())
-        lines.append(f"::{COMMANDS[finding.severity]} {listed}::{_escaped(message)}\n")
+        message = "\n".join(map(printable, [finding.message + of, *_below(finding)]))
+        place = f"file={_property(_path(finding.file))},line={finding.line},col={finding.column}"
+        title = _property(f"{finding.code} {finding.name}")
+        lines.append(f"::{COMMANDS[finding.severity]} {place},title={title}::{_escaped(message)}\n")
     lines += [f"::error file={_property(_path(each.file))}::{_escaped(each.why)}\n" for each in unread]
     return "".join(lines)
 
@@ -128,9 +127,8 @@ def check_sarif(
         return {"startLine": first.line, "startColumn": first.column, "endLine": last.line, "endColumn": last.column}
 
     index, findings = {rule.code: k for k, rule in enumerate(rules)}, [*file_by_file(findings)]
-    results = [
-        _result(finding, index, name, region) for finding, name in zip(findings, fingerprints(findings), strict=True)
-    ]
+    named = zip(findings, fingerprints(findings), strict=True)
+    results = [_result(finding, index, name, region) for finding, name in named]
     own = version("robodyn")
     explained = [
         {
@@ -144,12 +142,12 @@ def check_sarif(
         for rule in rules
     ]
     driver = {"name": "robodyn", "version": own, "semanticVersion": own, "rules": explained}
-    faults = []
+    invocation: Object = {"executionSuccessful": not unread}
     for each in unread:
         place = {"physicalLocation": {"artifactLocation": _artifact(each.file)}}
-        faults.append({"level": "error", "message": {"text": each.why}, "locations": [place]})
-    notified = {"toolExecutionNotifications": faults} if unread else {}
-    run: Object = {"tool": {"driver": driver}, "invocations": [{"executionSuccessful": not unread, **notified}]}
+        fault = {"level": "error", "message": {"text": each.why}, "locations": [place]}
+        invocation.setdefault("toolExecutionNotifications", []).append(fault)
+    run: Object = {"tool": {"driver": driver}, "invocations": [invocation]}
     run |= {"columnKind": "unicodeCodePoints", "results": results}
     return json.dumps({"$schema": SCHEMA, "version": "2.1.0", "runs": [run]}, indent=2) + "\n"
 
@@ -174,8 +172,8 @@ def _result(finding: Finding, index: dict[str, int], name: str, region: Region) 
         ]
     if finding.code in index:
         result["ruleIndex"] = index[finding.code]
-    numbers = {"measured": finding.measured, "bound": finding.bound}
-    if known := {key: value for key, value in numbers.items() if value is not None and math.isfinite(value)}:
+    numbers = {"measured": finite(finding.measured), "bound": finite(finding.bound)}
+    if known := {key: value for key, value in numbers.items() if value is not None}:
         result["properties"] = known
     if finding.fix is not None:
         every = {edit for place in finding.places if place.fix for edit in place.fix.edits}
