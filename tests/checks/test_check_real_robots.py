@@ -35,7 +35,7 @@ def found(path: Path) -> tuple[Finding, ...]:
     return check_one(str(path))
 
 
-@pytest.mark.parametrize("path", sampled(published(), 12), ids=name_of)
+@pytest.mark.parametrize("path", sampled(published(), 24), ids=name_of)
 def test_the_same_findings_at_places_that_are_there(path: Path) -> None:
     assert counts(found(path)) == PINNED[name_of(path)]
     for finding in found(path):
@@ -54,7 +54,7 @@ def test_the_same_robots_and_clean_ones_without_errors() -> None:
     assert pinned_codes["ur3"].split()[::2] == ["RD107", "RD109"]
 
 
-@pytest.mark.parametrize(("stem", "code"), sampled([pytest.param(*each, id="-".join(each)) for each in KNOWN], 3))
+@pytest.mark.parametrize(("stem", "code"), sampled([pytest.param(*each, id="-".join(each)) for each in KNOWN], 6))
 def test_known_defects(stem: str, code: str) -> None:
     one = found(next(path for path in published() if path.stem == stem))
     subjects = {finding.subject.name for finding in one if finding.code == code and finding.subject}
@@ -72,7 +72,7 @@ ACCUSED = [
 ]
 
 
-@pytest.mark.parametrize("path", sampled(ACCUSED, 5), ids=name_of)
+@pytest.mark.parametrize("path", sampled(ACCUSED, 12), ids=name_of)
 def test_every_error_has_a_witness(path: Path, tmp_path: Path) -> None:
     folder = next(up for up in path.parents if up.name in ("example-robot-data", "iCub", "share"))
     errors = [*errors_of("", folder, Checked((str(path),), found(path)), tmp_path)]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import subprocess
 import sys
+from functools import cache
 from graphlib import TopologicalSorter
 from itertools import chain
 from pathlib import Path
@@ -37,15 +38,15 @@ SCARA = str(ROOT / "robots" / "scara.urdf")
 TORQUES = f"import robodyn; m = robodyn.load({SCARA!r}); robodyn.inverse_dynamics(m, [.1] * 3, [.2] * 3, [.3] * 3)"
 
 
-def _modules():
-    """(name, syntax tree) of every module of the package, `cli/` being robodyn.cli."""
+def _paths():
+    """(name, path) of every module of the package, `cli/` being robodyn.cli."""
     for base, package in ((ROOT / "robodyn", "robodyn"), (ROOT / "cli", "robodyn.cli")):
         for path in sorted(base.rglob("*.py")):
             parts = [part for part in path.relative_to(base).with_suffix("").parts if part != "__init__"]
-            yield ".".join((package, *parts)), ast.parse(path.read_text())
+            yield ".".join((package, *parts)), path
 
 
-MODULES = dict(_modules())
+MODULES = dict(_paths())
 FOLDERS = {name.rpartition(".")[0] for name in MODULES}
 
 
@@ -81,36 +82,35 @@ def test_imports_go_one_way():
     backwards = [
         f"{name} imports {other}"
         for name in filter(_area, MODULES)
-        for other in IMPORTS[name]
+        for other in _imports(name)
         if other.startswith("robodyn.") and _area(other) != _area(name) and LAYER[_area(other)] >= LAYER[_area(name)]
     ]
     assert not backwards
 
 
-def _at_import(tree):
-    """Nodes that run when the module is imported: all but the bodies of functions and of `if TYPE_CHECKING`."""
+def _statements(tree, at_import=False):
+    """All statements, or those that run at import: not the bodies of functions and of `if TYPE_CHECKING`."""
     waiting = list(tree.body)
     while waiting:
         node = waiting.pop()
-        if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)):
+        if at_import and isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
             continue
-        if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test):
+        if at_import and isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test):
             continue
         yield node
-        waiting.extend(ast.iter_child_nodes(node))
+        for field in ("body", "orelse", "finalbody", "handlers", "cases"):
+            waiting.extend(getattr(node, field, ()))
 
 
-def _imports(nodes):
-    nodes = (node for node in nodes if isinstance(node, (ast.Import, ast.ImportFrom)))
-    return set(chain.from_iterable(map(_imported, nodes)))
-
-
-IMPORTS = {name: _imports(ast.walk(tree)) for name, tree in MODULES.items()}
+@cache
+def _imports(name, at_import=False):
+    nodes = _statements(ast.parse(MODULES[name].read_text()), at_import)
+    return set(chain.from_iterable(_imported(node) for node in nodes if isinstance(node, (ast.Import, ast.ImportFrom))))
 
 
 def test_no_file_needs_itself():
     """There is no circle of imports, those within functions and for types alone included."""
-    graph = {name: IMPORTS[name] & MODULES.keys() - {"robodyn"} for name in MODULES}
+    graph = {name: _imports(name) & MODULES.keys() - {"robodyn"} for name in MODULES}
     assert set(TopologicalSorter(graph).static_order()) >= graph.keys() - {"robodyn"}
 
 
@@ -119,14 +119,14 @@ def test_no_folder_needs_itself():
     graph = {folder: set() for folder in FOLDERS}
     for name in MODULES:
         here = _folder(name)
-        for there in map(_folder, IMPORTS[name] & MODULES.keys() - {"robodyn"}):
+        for there in map(_folder, _imports(name) & MODULES.keys() - {"robodyn"}):
             if name != "robodyn" and not f"{here}.".startswith(f"{there}.") and not f"{there}.".startswith(f"{here}."):
                 graph[here].add(there)
     assert set(TopologicalSorter(graph).static_order()) >= graph.keys()
 
 
 def test_heavy_modules_wait():
-    at_import = {name: {other.split(".")[0] for other in _imports(_at_import(tree))} for name, tree in MODULES.items()}
+    at_import = {name: {other.split(".")[0] for other in _imports(name, at_import=True)} for name in MODULES}
     assert {name: others & HEAVY for name, others in at_import.items() if others & HEAVY} == {}
 
 
