@@ -140,7 +140,7 @@ def test_every_page_on_screens_and_paper(written, opened, name: str) -> None:
     """Wide and light, narrow and dark: no canvas is blank, nothing is wider than the screen, an audit of accessibility
     finds nothing serious. On paper a summary of at most two pages, then the tables."""
     axe = pytest.importorskip("axe_playwright_python.sync_playwright").Axe()
-    for width, scheme in ((1300, "light"), (400, "dark")):
+    for width, scheme in ((1300, "light"), (360, "dark")):
         page = opened(written(name), width, color_scheme=scheme)
         page.evaluate("window.robodyn && (robodyn.all(), robodyn.stages.forEach((each) => each.pick(0, 0)))")
         page.wait_for_timeout(200)
