@@ -82,7 +82,7 @@ def accuracy_page(accuracy: Accuracy, target: float | None = None, pictures: boo
 
 def _answer(ladder: Ladder, target: float) -> str:
     if found := ladder.cheapest(target):
-        return f"cheapest within {target:g}: {found.name}"
+        return f"cheapest within {target:g}: {found.name}, with an error of {error_text(found.error)}"
     return f"no method reaches {target:g}; the best error is {error_text(min(rung.error for rung in ladder.rungs))}"
 
 

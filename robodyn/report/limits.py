@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 
 LINES = 15
 """So many limits are named at the top of a page."""
-_NEAREST = "Nearest to its limit of"
 
 
 def verdict_on_limits(
@@ -69,13 +68,8 @@ def limits_verdict(result: Result | Simulation) -> Verdict:
         return replace(verdict, reasons=(*verdict.reasons, *missed))
     chance = None if unsure is None else unsure.suffices
     sure = [] if chance is None else [f"All limits are kept with {probability(chance)}."]
-    lines = [*missed, *sure, *verdict.reasons]
-    for used, what in ((effort_use, "effort"), (speed_use, "speed")):
-        for joint in ranked((joint for joint in result.joints if used(joint)), key=used)[:1]:
-            lines.append(f"{_NEAREST} {what} is {printable(joint.name)}, at {100 * used(joint):.0f} % of it.")
-    if missed:
-        return Verdict("bad", "The accuracy asked for is not met", tuple(lines))
-    return replace(verdict, reasons=tuple(lines))
+    verdict = replace(verdict, reasons=(*missed, *sure, *verdict.reasons))
+    return replace(verdict, level="bad", headline="The accuracy asked for is not met") if missed else verdict
 
 
 def verdict_section(result: Result | Simulation) -> Section:
@@ -87,9 +81,8 @@ def verdict_section(result: Result | Simulation) -> Section:
         more = len({line for _, line in _exceeded(result)}) - 1
         others = f" {count(more, 'more limit is', 'more limits are')} exceeded." if more > 0 else ""
         return paragraphs([f"{verdict.headline}: {verdict.reasons[0]}{others}"])
-    warned = [caveat.text for caveat in result.caveats]  # tables say what is nearest
-    lines = [line for line in verdict.reasons if line not in warned and not line.startswith(_NEAREST)]
-    return paragraphs([*lines, f"{verdict.headline}."])
+    warned = [caveat.text for caveat in result.caveats]
+    return paragraphs([*(line for line in verdict.reasons if line not in warned), f"{verdict.headline}."])
 
 
 def exceeded_section(result: Result | Simulation) -> Section:
@@ -108,13 +101,15 @@ def unchecked_words(limits: Sequence[Coverage]) -> tuple[str, ...]:
     """Return a sentence for each quantity of which joints have no limit: none is given, 0, or a huge number."""
     lines = []
     for each in limits:
-        if each.unchecked:
-            silent = [one.joint for one in each.unchecked if one.given is None]
-            zero = [one.joint for one in each.unchecked if one.given is not None and one.given <= 0.0]
-            huge = {one.joint: one.given for one in each.unchecked if one.given is not None and one.given > 0.0}
-            least = f"{min(huge.values(), default=0.0):g}{' or more' if len(set(huge.values())) > 1 else ''}"
-            words = {"": silent, "0, which means none, for ": zero, f"{least}, which limits nothing, for ": list(huge)}
-            who = "; ".join(f"{why}{first_names(names, most=4)}" for why, names in words.items() if names)
+        why: dict[str, list[str]] = {}
+        for one in each.unchecked:
+            none = one.given is not None and one.given <= 0.0
+            said = (
+                "" if one.given is None else f"{one.given:g}, which {'means none' if none else 'limits nothing'}, for "
+            )
+            why.setdefault(said, []).append(one.joint)
+        if why:
+            who = "; ".join(f"{said}{first_names(names, most=4)}" for said, names in why.items())
             joints = f"{len(each.unchecked)} of {len(each.unchecked) + len(each.checked)} joints"
             lines.append(f"{joints} have no {each.quantity} limit: not checked ({who}).")
     return tuple(lines)

@@ -155,25 +155,24 @@ def _swing(found: Linearized, k: int, size: float) -> dict[str, object]:
 
 def stability(found: Linearized) -> doc.Verdict:
     """Return whether the robot comes back after a small push, and how soon or how fast it goes."""
-    modes = found.modes.modes
-    if found.modes.verdict == "moving":
+    modes, how = found.modes.modes, found.modes.verdict
+    free = sum(mode.free for mode in modes)
+    steady = sum(mode.undecided and not mode.free for mode in modes)
+    words = [f"{count(free, 'mode is', 'modes are')} held by nothing"] if free else []
+    words += [f"{count(steady, 'mode is', 'modes are')} not damped within rounding"] if steady else []
+    verdict = doc.Verdict("doubtful", f"Neither stable nor unstable: {' and '.join(words)}")
+    if how == "moving":
         said = "No verdict on stability: the state moves"
         verdict = doc.Verdict("neutral", said, ("The modes are those of this instant.",))
-    elif found.modes.verdict == "unstable":
+    elif how == "unstable":
         fastest = max(modes, key=lambda mode: mode.real).time_constant
         some = count(sum(mode.real > mode.error for mode in modes), "mode grows", "modes grow")
         verdict = doc.Verdict("bad", f"Unstable: {some}", (f"The fastest grows by a factor of e in {fastest:.4g} s.",))
-    elif found.modes.verdict == "stable":
+    elif how == "stable":
         margin = found.modes.margin
         assert margin is not None, "there are modes, and all are held"
         slowest = f"The slowest decays to 1/e in {1 / margin:.4g} s, a margin of {margin:.4g} /s."
         verdict = doc.Verdict("good", "Stable: every small push dies away", (slowest,))
-    else:
-        free = sum(mode.free for mode in modes)
-        steady = sum(mode.undecided and not mode.free for mode in modes)
-        words = [f"{count(free, 'mode is', 'modes are')} held by nothing"] if free else []
-        words += [f"{count(steady, 'mode is', 'modes are')} not damped within rounding"] if steady else []
-        verdict = doc.Verdict("doubtful", f"Neither stable nor unstable: {' and '.join(words)}")
     if found.exceeded:
         what = "The equilibrium is" if found.balanced else "The state is"
         reasons = (*map(exceeded_words, found.exceeded), f"Without limits: {verdict.headline}.", *verdict.reasons)

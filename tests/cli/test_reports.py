@@ -77,10 +77,10 @@ def test_accuracy_names_the_cheapest() -> None:
     accuracy = Accuracy("part.stl", (Ladder("volume", ("volume",), "rationals", "mesh", rungs),), ())
     page = checked(html(accuracy_page(accuracy, 1e-2)))
     text = " ".join(page.all("main")[0].text.split())
-    assert text.startswith("The target of 0.01 is met volume: hull, b has an error of 1.0e-03.")
+    assert text.startswith("The target of 0.01 is met volume: cheapest within 0.01: hull, b, with an error of 1.0e-03.")
     assert "volume: from hull, a, with an error of 1.0e-01, to exact, with 0 in 5 times the time." in str(page.source)
     text = " ".join(checked(html(accuracy_page(accuracy, 1e-9, pictures=False))).all("main")[0].text.split())
-    assert text.startswith("The target of 1e-09 is met volume: exact")
+    assert text.startswith("The target of 1e-09 is met volume: cheapest within 1e-09: exact, with an error of 0.")
 
 
 def test_errors_lead_and_the_status_stays(tmp_path: Path) -> None:

@@ -50,11 +50,9 @@ def closed_latex(closed: Closed) -> str:
 
 
 def _part(effect: str, index: str) -> str:
-    if effect in ("gravity", "coriolis"):
-        letter, arguments = ("G", "(q)") if effect == "gravity" else ("V", r"(q, \dot{q})")
-        return letter + (f"_{{{index}}}" if index else arguments)
-    name = rf"\tau^{{\text{{{effect}}}}}"
-    return name + (f"_{{{index}}}" if index else "")
+    known = {"gravity": ("G", "(q)"), "coriolis": ("V", r"(q, \dot{q})")}
+    letter, arguments = known.get(effect, (rf"\tau^{{\text{{{effect}}}}}", ""))
+    return letter + (f"_{{{index}}}" if index else arguments)
 
 
 def _sum_printer(closed: Closed) -> Callable[[Any], str]:
@@ -76,21 +74,20 @@ def _sum_printer(closed: Closed) -> Callable[[Any], str]:
             return f"{mantissa} \\cdot 10^{{{int(exponent)}}}" if exponent else mantissa
 
         def _print_cos(self, wave: Any, exp: str | None = None) -> str:
-            return self._short("c", r"\cos", wave.args[0], exp)
+            return self._called(r"\cos", wave, exp, "c")
 
         def _print_sin(self, wave: Any, exp: str | None = None) -> str:
-            return self._short("s", r"\sin", wave.args[0], exp)
-
-        def _short(self, letter: str, function: str, angle: Any, exp: str | None) -> str:
-            power = f"^{{{exp}}}" if exp else ""
-            if all(term in numbers for term in angle.as_ordered_terms()):
-                digits = "".join(str(k) for k in sorted(numbers[term] for term in angle.as_ordered_terms()))
-                return f"{letter}_{{{digits}}}{power}"
-            return f"{function}{power}\\left({self._print(angle)}\\right)"
+            return self._called(r"\sin", wave, exp, "s")
 
         def _print_sign(self, call: Any, exp: str | None = None) -> str:
-            power = f"^{{{exp}}}" if exp else ""
-            return f"\\operatorname{{sgn}}\\left({self._print(call.args[0])}\\right){power}"
+            return self._called(r"\operatorname{sgn}", call, exp)
+
+        def _called(self, function: str, call: Any, exp: str | None, letter: str = "") -> str:
+            """Return sums of angles as indices, as in s_{12}, other arguments in brackets."""
+            power, terms = f"^{{{exp}}}" if exp else "", call.args[0].as_ordered_terms()
+            if letter and all(term in numbers for term in terms):
+                return f"{letter}_{{{''.join(str(k) for k in sorted(numbers[term] for term in terms))}}}{power}"
+            return f"{function}\\left({self._print(call.args[0])}\\right){power}"
 
     printer = Printer({"symbol_names": names})
 
