@@ -26,16 +26,9 @@ from robodyn.checks.catalogue import BY_CODE, CODES, is_selected, rules_for
 from robodyn.checks.context import STANDARD, STDIN, Context, Options
 from robodyn.checks.fixes import Fixed, fixed
 from robodyn.checks.groups import across_files, across_robots, deduplicate, grouped, kind_of, places
-from robodyn.checks.rule import HERE, Fault, Finding, Rule, Severity, excerpt
+from robodyn.checks.rule import HERE, Fault, Finding, Rule, Severity, excerpt, subject_of
 from robodyn.checks.rules.text import unused_waiver, without_use
-from robodyn.checks.sources import (
-    Config,
-    defined_beside,
-    files_of,
-    find_config,
-    read_config,
-    worth_processes,
-)
+from robodyn.checks.sources import Config, defined_beside, files_of, find_config, read_config, worth_processes
 from robodyn.checks.waivers import waived, waivers
 from robodyn.errors import InputError, NoRobotError, RobodynWarning
 from robodyn.robot.urdf.document import Document, Element, SourcePositions, read, read_document
@@ -401,7 +394,7 @@ def _finding(context: Context, rule: Rule, fault: Fault) -> Finding:
         parts = reading.root.children
         k = bisect_right(parts, fault.at.start, key=lambda part: part.start) - 1
         known = k >= 0 and parts[k].tag in ("link", "joint")
-        subject = Subject(parts[k].tag, parts[k].get("name") or "") if known else None
+        subject = subject_of(parts[k]) if known else None
     return Finding(
         code=rule.code,
         name=rule.name,

@@ -17,7 +17,9 @@ def inertia(entries: str) -> str:
 
 INERTIA = inertia("0.01 0 0 0.02 0 0.02")
 SHAPED_INERTIA = inertia("0.0126 0 0 0.0124 0 0.0032")
+_ONE = f'<mass value="1"/>{INERTIA}'
 LIMIT = '<limit lower="-2" upper="2" effort="30" velocity="3"/>'
+_TURNS = f'<axis xyz="0 1 0"/>{LIMIT}'
 
 
 def one_link(inertial: str = f'<mass value="2"/>{INERTIA}') -> str:
@@ -32,7 +34,7 @@ def one_link(inertial: str = f'<mass value="2"/>{INERTIA}') -> str:
 """
 
 
-def arm(joint: str = f'<axis xyz="0 1 0"/>{LIMIT}', kind: str = "revolute", more: str = "") -> str:
+def arm(joint: str = _TURNS, kind: str = "revolute", more: str = "") -> str:
     """Return an arm of one joint of some kind, with what is in the joint, and more elements of the robot."""
     return f"""<robot name="arm">
   <link name="base"/>
@@ -48,16 +50,13 @@ def arm(joint: str = f'<axis xyz="0 1 0"/>{LIMIT}', kind: str = "revolute", more
 """
 
 
-def a_link(name: str, inertial: str = f'<mass value="1"/>{INERTIA}', more: str = "") -> str:
+def a_link(name: str, inertial: str = _ONE, more: str = "") -> str:
     """Return a link, to be used as `more` of an arm."""
     inside = f"<inertial>{inertial}</inertial>" if inertial else ""
-    return f"""
-  <link name="{name}">{inside}{more}</link>"""
+    return f'\n  <link name="{name}">{inside}{more}</link>'
 
 
-def a_joint(
-    name: str, parent: str, child: str, more: str = f'<axis xyz="0 1 0"/>{LIMIT}', kind: str = "revolute"
-) -> str:
+def a_joint(name: str, parent: str, child: str, more: str = _TURNS, kind: str = "revolute") -> str:
     """Return a joint, to be used as `more` of an arm."""
     return f"""
   <joint name="{name}" type="{kind}">
@@ -66,11 +65,7 @@ def a_joint(
 
 
 def longer_arm(
-    link: str = "fore",
-    joint: str = "elbow",
-    inertial: str = f'<mass value="1"/>{INERTIA}',
-    inside: str = f'<axis xyz="0 1 0"/>{LIMIT}',
-    kind: str = "revolute",
+    link: str = "fore", joint: str = "elbow", inertial: str = _ONE, inside: str = _TURNS, kind: str = "revolute"
 ) -> str:
     """Return an arm with one more link on a joint of some kind, with what is in the link and in the joint."""
     return arm(more=a_link(link, inertial) + a_joint(joint, "upper", link, inside, kind))
@@ -98,8 +93,7 @@ def a_tower(kind: str = "visual", last: str = "revolute") -> str:
         ("tool", "mount", "hand", last),
     )
     more = "".join(
-        a_link(link, inertial, shape)
-        + a_joint(joint, parent, link, f'<origin xyz="0 0 0.1"/><axis xyz="0 1 0"/>{LIMIT}', moves)
+        a_link(link, inertial, shape) + a_joint(joint, parent, link, f'<origin xyz="0 0 0.1"/>{_TURNS}', moves)
         for link, joint, parent, moves in rows
     )
     return a_shaped_link().replace("\n</robot>", f"{more}\n</robot>")
@@ -152,14 +146,8 @@ def two_elbows(right: str = "0.1 -0.05 0.3") -> str:
     """Return such a robot with a forearm on each arm, and where the right elbow is on the right arm."""
     sides = (("left", "0.1 0.05 0.3"), ("right", right))
     more = "".join(
-        a_link(f"{side}_fore", f'<mass value="1"/>{INERTIA}')
-        + a_joint(
-            f"{side}_elbow",
-            f"{side}_arm",
-            f"{side}_fore",
-            f'<origin xyz="{xyz}"/><axis xyz="0 1 0"/>{LIMIT}',
-            "revolute",
-        )
+        a_link(f"{side}_fore")
+        + a_joint(f"{side}_elbow", f"{side}_arm", f"{side}_fore", f'<origin xyz="{xyz}"/>{_TURNS}')
         for side, xyz in sides
     )
     return two_arms().replace("</robot>", f"{more.lstrip()}\n</robot>")

@@ -14,6 +14,7 @@ import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from operator import attrgetter
 from typing import NamedTuple
 
 from robodyn.checks.rule import Finding, Rule
@@ -26,6 +27,7 @@ from robodyn.support.wording import surmised
 _NUMBER = re.compile(r"(?<![\w.])[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?(?![\w.]*\w)")
 _NAME = re.compile(r"(?<!\w)(['\"]).*?\1(?!\w)")
 _LIST = re.compile(r"#(?:, #)+(?:, \.\.\. \(# in all\)| and # more)?")
+_SAID = attrgetter("subject", "message", "cause")
 _MORE = re.compile(r" \(and (?:\d+|#) more[^()]*\)")
 VERSION = 1
 
@@ -48,19 +50,12 @@ def cause_of(finding: Finding) -> str:
 def grouped(findings: Iterable[Finding]) -> tuple[Finding, ...]:
     """Return one finding for each cause in each file, with its further places, and for those that are equal in several
     files; in the order of the first places."""
-    of_a_cause = _joined(
-        findings, lambda finding: (finding.file, finding.code, finding.severity, finding.kind, cause_of(finding))
-    )
-    return across_files(of_a_cause)
+    return across_files(_joined(findings, lambda one: (one.file, one.code, one.severity, one.kind, cause_of(one))))
 
 
 def across_files(findings: Iterable[Finding]) -> tuple[Finding, ...]:
     """Return one finding for those that say the same of the same links and joints, with the places in all files."""
-
-    def said(finding: Finding) -> tuple[object, ...]:
-        return tuple((place.subject, place.message, place.cause) for place in finding.places)
-
-    return tuple(_joined(findings, lambda finding: (finding.code, finding.severity, said(finding))))
+    return tuple(_joined(findings, lambda one: (one.code, one.severity, *map(_SAID, one.places))))
 
 
 def _joined(findings: Iterable[Finding], key: Callable[[Finding], object]) -> Iterator[Finding]:

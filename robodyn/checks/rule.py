@@ -165,6 +165,10 @@ def namesakes(elements: Iterable[Element]) -> Iterator[tuple[Element, Element]]:
             yield element, first[name]
 
 
+def subject_of(element: Element) -> Subject:
+    return Subject(element.tag, element.get("name") or "")
+
+
 def text_faults(context: Context, code: str) -> Faults:
     """Return what the reader of XML has noted for a rule."""
     return [Fault(found.at, found.what, found.remedy, subject=None) for found in context.reading.found(code)]

@@ -120,9 +120,8 @@ def files_of(sources: Sequence[str | os.PathLike[str] | bytes], including: bool 
     errors: list[InputError] = []
     for source in sources:
         try:
-            found.update(
-                dict.fromkeys([source] if isinstance(source, bytes) else _expanded(os.fspath(source), including))
-            )
+            named = [source] if isinstance(source, bytes) else _expanded(os.fspath(source), including)
+            found.update(dict.fromkeys(named))
         except InputError as error:
             errors.append(error)
     fatal = [error for error in errors if not isinstance(error, NoRobotError)]

@@ -13,8 +13,8 @@ PIECES = {
     ("checks/test_groups.py", "checks/groups.py"): [
         ("found[0].severity.reaches(other.severity)", "True"),
         (
-            "(finding.file, finding.code, finding.severity, finding.kind, cause_of(finding))",
-            "(finding.file, finding.code, finding.severity, cause_of(finding))",
+            "(one.file, one.code, one.severity, one.kind, cause_of(one))",
+            "(one.file, one.code, one.severity, cause_of(one))",
         ),
         ("surmised(finding.cause)", "False"),
     ],

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from robodyn.checks.bodies.bodies import Solid, Solids, box_of, gap, real_shapes, size_of, solids
 from robodyn.checks.bodies.masses import STILL
 from robodyn.checks.context import Context
-from robodyn.checks.meshes.files import reach
+from robodyn.checks.meshes.files import all_facts, reach
 from robodyn.programs.vectors import length
 from robodyn.robot.urdf.view import GeometryView, LinkView
 from robodyn.solids.inertia.validity import Box, around
@@ -42,6 +42,7 @@ elsewhere), and 1360 more than 0.8.
 _UNLIKE = 0.2
 """Shared volume at most of one mesh each for both, whatever else it fits: of the same links 10, all of them found by
 where they stand; the next has 0.22."""
+_FINER, _FACES = 10, 12  # how many times the faces are much finer; those of a primitive
 _SCALED, _EVEN = 1.25, 1.05  # least factor between sizes, and how far it may differ between axes
 
 
@@ -72,14 +73,34 @@ def misfits(context: Context) -> tuple[Misfit, ...]:
     """Return at most one collision shape of each link that is not what is seen."""
     known, found = context.once(solids), list[Misfit]()
     visual = cache(lambda link: box_of(real_shapes(link, "visual"), known, STILL))
-    for link in context.view.links:
-        felt, seen = real_shapes(link, "collision"), real_shapes(link, "visual")
-        one = _Link(link, felt, seen, box_of(felt, known, STILL), visual(link), known)
+    shapes = ((link, real_shapes(link, "collision"), real_shapes(link, "visual")) for link in context.view.links)
+    links = [_Link(link, felt, seen, box_of(felt, known, STILL), visual(link), known) for link, felt, seen in shapes]
+    order = [_simpler(one, context) if one.felt and one.seen else 0 for one in links]
+    wrong, right = order.count(-1), order.count(1)
+    for one, which in zip(links, order, strict=True):
+        if which < 0 and 2 * wrong <= right:
+            what = f"what collides is the finer part; of {right} other links it is what is seen"
+            cause = "visual and collision are exchanged"
+            found.append(Misfit(one.felt[0], what, "exchange the two", wrong, right / 2, cause))
+            continue
         own, box = one.seen_box, one.felt_box
-        fits = own and box and len(felt) == 1 and corners(own, box) <= max(_ASIDE * size_of(own), _LEAST)
+        fits = own and box and len(one.felt) == 1 and corners(own, box) <= max(_ASIDE * size_of(own), _LEAST)
         others = _foreign(one, visual, context), _aside(one), _scaled(one), _enormous(one, context), _exchanged(one)
         found += islice(chain(_origin_lost(one), *(() if fits else (*others, _away(one), _unlike(one)))), 1)
     return tuple(found)
+
+
+def _simpler(one: _Link, context: Context) -> int:
+    """1 where what collides is the simpler part by the names of its files, or else by far by its faces, -1 where what
+    is seen is, 0 where neither is."""
+    sides = one.felt, one.seen
+    paths = ("".join(shape.uri.lower() for shape in shapes) for shapes in sides)
+    felt, seen = (("collision" in path) - ("visual" in path) for path in paths)
+    if felt == seen and one.felt_box and one.seen_box and shared(one.felt_box, one.seen_box) > _OWN:
+        of = context.once(all_facts)
+        faces = [sum(of[it.uri].triangles if it.tag == "mesh" else _FACES for it in shapes) for shapes in sides]
+        felt, seen = faces[1] >= _FINER * faces[0], faces[0] >= _FINER * faces[1]
+    return (felt > seen) - (felt < seen)
 
 
 def corners(box: Box, other: Box) -> float:

@@ -13,7 +13,7 @@ from robodyn.checks.bodies.contacts import rest_poses
 from robodyn.checks.examples import LIMIT, arm, longer_arm
 from robodyn.checks.meshes.files import reach
 from robodyn.checks.rule import ERROR, NOTE, TREE, WARNING, Context, Edit, Fault, Faults, Fix, rule
-from robodyn.checks.rules.ranges import of_numbers
+from robodyn.checks.rules.ranges import TURNING, of_numbers
 from robodyn.programs.linear import eigen
 from robodyn.programs.vectors import length, product
 from robodyn.robot.urdf.description import cycles
@@ -67,7 +67,6 @@ def no_limit(context: Context) -> Faults:
 
 
 _FEW = 3
-_TURNING = ("revolute", "continuous")
 
 
 @rule("RD506", WARNING, good=arm(), bad=('"30"', '"0"'), explains=("RD901",))
@@ -97,7 +96,7 @@ def effort_velocity(context: Context) -> Faults:
                 yield Fault(numbers.span, what, remedy, value, 0.0, kind=kind)
     moving = [joint for joint in context.view.joints if joint.moves and joint.limit is not None]
     for name, factor, most in (("effort", 1000.0, limits.most_effort), ("velocity", 50.0, limits.most_velocity)):
-        given = [getattr(one.limit, name) for one in moving if name == "effort" or one.type in _TURNING]
+        given = [getattr(one.limit, name) for one in moving if name == "effort" or one.type in TURNING]
         positive = sorted(((one.value, one.span) for one in given if (one.value or 0.0) > 0), key=itemgetter(0))
         if len(positive) > _FEW and positive[0][0] * factor <= positive[1][0] < most:
             (least, at), (others, _) = positive[:2]
@@ -130,9 +129,12 @@ _FOLLOWER = f'<axis xyz="0 1 0"/>{LIMIT}<mimic joint="shoulder" multiplier="0.5"
     "RD510", ERROR, good=longer_arm(inside=_FOLLOWER), bad=('joint="shoulder"', 'joint="sholder"'), explains=("RD901",)
 )
 def mimic_unknown_joint(context: Context) -> Faults:
-    """A joint mimics one of the robot's joints.
+    """A joint mimics one of the robot's joints, in a hand one of its own finger.
 
-    Readers refuse the robot, or make the follower a free joint that nothing drives."""
+    Readers refuse the robot, or make the follower a free joint that nothing drives. It is a warning where a finger
+    follows the joint that leads another one, and not its own free joint, while at least twice as many follow theirs: a
+    name was kept when the finger was copied."""
+    yield from _of_another_finger(context)
     joints = context.view.joint
     for joint in context.view.joints:
         if joint.mimic is None or joint.mimic.joint in joints or unexpanded(joint.mimic.joint):
@@ -141,6 +143,22 @@ def mimic_unknown_joint(context: Context) -> Faults:
         what = f"it mimics joint {shown(name)}, which does not exist" if name else "<mimic> names no joint"
         remedy = alternatives(name, joints, "joints") if name else 'write joint="..."'
         yield Fault(value_span(joint.mimic.element, "joint"), what, remedy)
+
+
+def _of_another_finger(context: Context) -> Faults:
+    """Yield what follows the leader of another finger, and not the one joint before it, which is free."""
+    groups = context.tree_or_none.groups if context.tree_or_none else ()
+    moved = {group.joint.name: group for group in groups if group.joint is not None}
+    mimics = [(group, group.joint.mimic) for group in moved.values() if group.joint and group.joint.mimic]
+    led = {group: moved[mimic.joint] for group, mimic in mimics if mimic.joint in moved}
+    own = {at for one, at in led.items() if one.parent and at in (one.parent, one.parent.parent)}
+    free = {group for group in moved.values() if len(group.children) == 1} - {*led, *led.values()}
+    before = ((one, mimic, one.parent) for one, mimic in mimics if one.parent in free)
+    odd = [(mimic, above.joint) for one, mimic, above in before if above and led.get(one) in own - {above.parent}]
+    for mimic, joint in odd if 2 * len(odd) <= len(own) else ():
+        what = f"it mimics joint {shown(mimic.joint)}, which leads another finger, and not the one before it"
+        remedy = f"mimic joint {shown(joint.name if joint else '')}, which leads none"
+        yield Fault(value_span(mimic.element, "joint"), what, remedy, severity=WARNING)
 
 
 @rule("RD511", ERROR, good=longer_arm(inside=_FOLLOWER), bad=('joint="shoulder"', 'joint="elbow"'), explains=("RD901",))
@@ -253,7 +271,7 @@ def idle_axis(context: Context) -> Faults:
     lines, near = {}, min(_ONE_LINE, _OF_REACH * reach(context))
     for group in tree.groups:
         joint = group.joint
-        axis = None if joint is None or joint.type not in _TURNING else joint.axis.or_default(1.0, 0.0, 0.0)
+        axis = None if joint is None or joint.type not in TURNING else joint.axis.or_default(1.0, 0.0, 0.0)
         if joint is None or axis is None or not any(axis) or joint.child not in poses:
             continue
         unit = np.array(axis) / hypot(*axis)
@@ -282,7 +300,7 @@ def _other_axis(context: Context) -> Faults:
     found = {}
     for joint in context.view.joints:
         axis = joint.axis.or_default(1.0, 0.0, 0.0)
-        if joint.type in _TURNING and joint.mimic is None and axis is not None and joint.axis.element is not None:
+        if joint.type in TURNING and joint.mimic is None and axis is not None and joint.axis.element is not None:
             found[joint.name] = tuple(round(abs(x), 3) for x in axis)
     (axis, count), *_ = [*Counter(found.values()).most_common(1), (None, 0)]
     for name, other in found.items():

@@ -18,19 +18,7 @@ from robodyn.checks.bodies.masses import (
     widest,
 )
 from robodyn.checks.context import Group
-from robodyn.checks.examples import (
-    INERTIA,
-    ORIGIN,
-    TENSOR,
-    a_joint,
-    a_link,
-    a_tower,
-    arm,
-    inertia,
-    longer_arm,
-    one_link,
-    two_arms,
-)
+from robodyn.checks.examples import INERTIA, a_joint, a_link, a_tower, arm, inertia, longer_arm, one_link, two_arms
 from robodyn.checks.mirror import named_pairs, pairs
 from robodyn.checks.rule import ERROR, MODEL, NOTE, TREE, WARNING, Context, Fault, Faults, rule
 from robodyn.checks.rules.inertia_mistakes import explained
@@ -195,7 +183,7 @@ def root_mass_invented(context: Context) -> Faults:
         yield Fault(root.name_span, what, "write its <inertial>")
 
 
-_BODY = f'{ORIGIN}<mass value="1.25"/>{TENSOR}'
+_BODY = '<mass value="1.25"/>' + inertia("0.002 0 0 0.003 0 0.0035")
 
 
 @rule(

@@ -183,7 +183,7 @@ def continuous_with_range(context: Context) -> Faults:
 
 
 _PER_RADIAN = 180 / pi
-_TURNING = ("revolute", "continuous")
+TURNING = ("revolute", "continuous")
 _FASTEST = 20.0  # speeds [rad/s, m/s] up to which nothing is in doubt; a wheel or a propeller may turn `_FREELY` fast
 _FREELY = 60.0
 _SPEED_GAP, _SPEED_BAND = 8.0, 2.0
@@ -220,7 +220,7 @@ _Given = list[tuple[JointView, LimitView, float]]
 
 def _speeds(context: Context) -> Iterator[LimitSlip]:
     most = context.thresholds.most_velocity
-    found = [each for each in _given(context, "velocity") if each[0].type in _TURNING and each[2] < most]
+    found = [each for each in _given(context, "velocity") if each[0].type in TURNING and each[2] < most]
     large = [each for each in found if each[2] > (_FASTEST if each[0].type == "revolute" else _FREELY)]
     why = _apart(large, found, _PER_RADIAN, _SPEED_GAP, _SPEED_BAND)
     speeds = [each[2] for each in found]  # several values, for one alone may be a stand-in
@@ -236,7 +236,7 @@ def _efforts(context: Context) -> Iterator[LimitSlip]:
     found = [
         each
         for each in _given(context, "effort")
-        if each[0].type in _TURNING and each[2] < 1e3 * limits.most_effort
+        if each[0].type in TURNING and each[2] < 1e3 * limits.most_effort
         if each[1].velocity.value is None or each[1].velocity.value < limits.most_velocity
     ]
     values = sorted(value for _, _, value in found)

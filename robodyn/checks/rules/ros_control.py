@@ -8,7 +8,7 @@ from math import isclose, radians, tau
 from typing import NamedTuple
 
 from robodyn.checks.examples import LIMIT, a_joint, a_link, arm
-from robodyn.checks.rule import ERROR, WARNING, Context, Fault, Faults, Severity, namesakes, rule
+from robodyn.checks.rule import ERROR, WARNING, Context, Fault, Faults, Severity, namesakes, rule, subject_of
 from robodyn.checks.srdf import Named, own_srdf
 from robodyn.robot.urdf.document import Element, Span, unexpanded
 from robodyn.robot.urdf.parts import WITH_RANGE
@@ -64,7 +64,7 @@ def names_nothing(context: Context) -> Faults:
     for used in missing:  # one warning of an SRDF of another name, which may be of a variant of the robot
         names, tag = view.link if used.kind == "link" else view.joint, used.element.tag
         what = f"there is no {used.kind} {shown(used.name)} in the robot {shown(view.root.get('name') or '')}{more}"
-        at, subject = value_span(used.element, used.attribute), Subject(tag, used.element.get("name") or "")
+        at, subject = value_span(used.element, used.attribute), subject_of(used.element)
         severity = None if found.is_namesake and tag not in _PAIRS_ONLY else WARNING
         remedy = alternatives(used.name, names, f"{used.kind}s")
         yield Fault(at, what, remedy, subject=subject, severity=severity, document=found.document)
@@ -110,7 +110,7 @@ def transmission(context: Context) -> Faults:
     root = context.view.root
     inside = [each for control in root.findall("ros2_control") for each in control.findall("transmission")]
     for transmissions in (root.findall("transmission"), inside):
-        driven = [(joint, _subject(each)) for each in transmissions for joint in each.findall("joint")]
+        driven = [(joint, subject_of(each)) for each in transmissions for joint in each.findall("joint")]
         subjects = {id(joint): subject for joint, subject in driven}
         for joint, first in namesakes(joint for joint, _ in driven):
             what = f"joint '{joint.get('name')}' is driven a second time; the first is in line {first.line}"
@@ -120,9 +120,9 @@ def transmission(context: Context) -> Faults:
     for again, first in namesakes(root.findall("transmission")):
         what = f"a second transmission of this name; the first is in line {first.line}"
         at = value_span(again, "name")
-        yield Fault(at, what, "rename one of them", subject=_subject(again), severity=WARNING)
+        yield Fault(at, what, "rename one of them", subject=subject_of(again), severity=WARNING)
     for each in root.findall("transmission"):
-        subject, kind = _subject(each), each.find("type")
+        subject, kind = subject_of(each), each.find("type")
         said = each.get("type") if kind is None else kind.text.strip()
         if not said:
             what = "the transmission has no type: readers pass over it"
@@ -145,7 +145,7 @@ def transmission(context: Context) -> Faults:
 
 
 def _reductions(transmission: Element) -> Iterator[Fault]:
-    subject = _subject(transmission)
+    subject = subject_of(transmission)
     for element in (transmission, *transmission.children):
         for reduction in (child for child in element.children if child.tag in _REDUCTIONS):
             ratio = numbers(reduction, TEXT, 1)
@@ -156,10 +156,6 @@ def _reductions(transmission: Element) -> Iterator[Fault]:
             elif ratio.value == 0:
                 what = "the reduction is 0: its inverse is infinite"
                 yield Fault(reduction.span, what, "write turns in per turn out", 0.0, None, subject)
-
-
-def _subject(transmission: Element) -> Subject:
-    return Subject("transmission", transmission.get("name") or "")
 
 
 Numeric = tuple[float | None, float | None]  # what is measured, and its bound
@@ -225,7 +221,7 @@ def controlled_joint(context: Context) -> Faults:
         plugin = None if hardware is None else hardware.find("plugin")
         if hardware is not None and (plugin is None or not plugin.text.strip()):
             what, remedy = "<hardware> names no plugin", "write <plugin>package/Class</plugin>"
-            yield Fault(hardware.span, what, remedy, subject=Subject("ros2_control", control.get("name") or ""))
+            yield Fault(hardware.span, what, remedy, subject=subject_of(control))
     for part in controlled(context.view):
         for element in (part.element, *part.interfaces):
             if not element.get("name"):

@@ -105,7 +105,9 @@ def collision_misfit(context: Context) -> Faults:
     two. Shapes that are simpler on purpose are not judged by their size, unless a box, cylinder or sphere is 20 times
     as large as what is seen, or a cylinder fits that by exchanging its radius and length; meshes of one part differ by
     up to 10 % in the sides of their boxes. A shape less than 15 % of its size or 1 cm away is passed over. One mesh
-    each for both, whose boxes share at most a fifth of their volume, are two parts, or one that is turned."""
+    each for both, whose boxes share at most a fifth of their volume, are two parts, or one that is turned. Files called
+    visual that collide while those called collision are seen, or ten times the faces in place of fewer, are exchanged
+    with each other, where at least twice as many links have it the other way."""
     for geometry, what, remedy, measured, bound, cause in context.once(misfits):
         at = geometry.element if geometry.origin.element is None else geometry.origin.element
         at = at if cause is None or geometry.shape is None else geometry.shape

@@ -8,10 +8,10 @@ from dataclasses import replace
 from robodyn.checks.bodies.bodies import box_of, real_shapes, solids
 from robodyn.checks.bodies.masses import STILL, pose
 from robodyn.checks.examples import SRDF
-from robodyn.checks.rule import ERROR, NOTE, WARNING, Context, Fault, Faults, namesakes, rule
+from robodyn.checks.rule import ERROR, NOTE, WARNING, Context, Fault, Faults, namesakes, rule, subject_of
 from robodyn.checks.srdf import own_srdf, srdf
 from robodyn.robot.urdf.document import Element
-from robodyn.robot.urdf.view import JointView, NumbersError, Subject, parse_numbers, value_span
+from robodyn.robot.urdf.view import JointView, NumbersError, parse_numbers, value_span
 from robodyn.support.wording import alternatives, count, figure, shown
 
 
@@ -55,7 +55,7 @@ def unknown_group(context: Context) -> Faults:
     for group, first in namesakes(root.findall("group")):
         what = f"a second group of this name; the first is in line {first.line}"
         at = value_span(group, "name")
-        yield Fault(at, what, "rename or delete one of them", subject=_subject(group), document=found.document)
+        yield Fault(at, what, "rename or delete one of them", subject=subject_of(group), document=found.document)
     for group, chain in [(one, chain) for one in root.findall("group") for chain in one.findall("chain")]:
         base, tip = chain.get("base_link") or "", chain.get("tip_link") or ""
         link, passed = base, {base}
@@ -64,7 +64,7 @@ def unknown_group(context: Context) -> Faults:
         if base != tip and tip in passed:
             what = f"the chain's base {shown(base)} is below its tip {shown(tip)}"
             remedy, at = "exchange base_link and tip_link", value_span(chain, "base_link")
-            yield Fault(at, what, remedy, subject=_subject(group), document=found.document)
+            yield Fault(at, what, remedy, subject=subject_of(group), document=found.document)
     uses = [(group, inner, "name") for group in root.findall("group") for inner in group.findall("group")]
     uses += [(state, state, "group") for state in root.findall("group_state")]
     for effector in root.findall("end_effector"):
@@ -77,16 +77,12 @@ def unknown_group(context: Context) -> Faults:
         more = f" (named in {len(unknown)} places)" if unknown[1:] else ""
         what = f"the SRDF has no group {' or '.join(map(shown, names))}{more}"
         at, remedy = value_span(element, attribute), alternatives(next(iter(names)), groups, "groups")
-        yield Fault(at, what, remedy, subject=_subject(user), document=found.document)
+        yield Fault(at, what, remedy, subject=subject_of(user), document=found.document)
     if unnamed:
         more = f" (and {len(unnamed) - 1} more)" if unnamed[1:] else ""
-        at, subject, what = unnamed[0].span, _subject(unnamed[0]), f"the state names no group{more}"
+        at, subject, what = unnamed[0].span, subject_of(unnamed[0]), f"the state names no group{more}"
         what, remedy = f"{what}: MoveIt passes over it", 'write group="..."'
         yield Fault(at, what, remedy, None, None, subject, NOTE, document=found.document)
-
-
-def _subject(user: Element) -> Subject:
-    return Subject(user.tag, user.get("name") or "")
 
 
 _ROUNDED = 1e-3 + 1e-9  # how far a state may be beyond a limit [rad or m]: the nearest number of three digits
@@ -105,7 +101,7 @@ def group_state(context: Context) -> Faults:
     if found is None:
         return
     for state in found.root.findall("group_state"):
-        subject = Subject("group_state", state.get("name") or "")
+        subject = subject_of(state)
         for element in state.findall("joint"):
             joint = context.view.joint.get(element.get("name") or "")
             for what, remedy, measured, bound in () if joint is None else _wrong(element, joint):

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers.example_robots import path_of
-from helpers.mesh_samples import binary_stl, box
+from helpers.mesh_samples import binary_stl, box, uv_sphere
 from helpers.sampled import sampled
 
 import robodyn
@@ -341,3 +341,121 @@ def test_a_collision_mesh_that_lost_its_origin(tmp_path: Path, felt: str, expect
     file = tmp_path / "arm.urdf"
     file.write_text(arm().replace('<link name="upper">', f'<link name="upper">{shapes}'))
     assert [one.code for one in check_one(str(file))].count("RD609") == expected
+
+
+def of_links(*shapes: tuple[str, str]) -> str:
+    """A robot whose links have a visual and a collision shape each, no shape where the text is empty."""
+    kinds = ("visual", "collision")
+    inside = (
+        "".join(f"<{kind}><geometry>{one}</geometry></{kind}>" for kind, one in zip(kinds, each, strict=True) if one)
+        for each in shapes
+    )
+    links = "".join(
+        a_link(f"part{k}", more=each) + a_joint(f"turn{k}", "upper", f"part{k}") for k, each in enumerate(inside)
+    )
+    return arm(more=links)
+
+
+def exchanged(source: str) -> list[str]:
+    found = [one for one in check_one(source) if one.cause == "visual and collision are exchanged"]
+    assert {(one.code, one.severity) for one in found} <= {("RD609", W)}
+    return [one.subject.name for one in found if one.subject]
+
+
+SEEN, FELT = (f'<mesh filename="package://a/{kind}/p.stl"/>' for kind in ("visual", "collision"))
+PLAIN, SIMPLE = '<mesh filename="package://a/p.stl"/>', '<mesh filename="package://a/p_Collision.stl"/>'
+
+
+@pytest.mark.parametrize(
+    ("shapes", "expected"),
+    [
+        ([(SEEN, FELT), (FELT, SEEN), (SEEN, FELT)], ["part1"]),
+        ([(PLAIN, SIMPLE), (PLAIN, SIMPLE), (SIMPLE, PLAIN)], ["part2"]),
+        ([(SEEN, PLAIN), (PLAIN, SEEN), (PLAIN, SIMPLE)], ["part1"]),
+        ([(SEEN, FELT), (FELT, SEEN)], []),
+        ([(SEEN, FELT), (FELT, SEEN), (FELT, SEEN), (SEEN, FELT), (SEEN, FELT)], []),
+        ([(SEEN, FELT), (SEEN, FELT), (SEEN, SEEN), (FELT, FELT)], []),
+        ([(SEEN, FELT), (SEEN, FELT), ("", SEEN)], []),
+        ([(SEEN, FELT), (SEEN, FELT), (FELT, "")], []),
+    ],
+)
+def test_visual_and_collision_that_are_exchanged(
+    tmp_path: Path, shapes: list[tuple[str, str]], expected: list[str]
+) -> None:
+    """By the words in the names of files, at one link of three that have both shapes at most."""
+    file = tmp_path / "named.urdf"
+    file.write_text(of_links(*shapes))
+    assert exchanged(str(file)) == expected
+
+
+@pytest.mark.parametrize(
+    ("simple", "rings", "expected"),
+    [
+        ('<box size="0.2 0.2 0.2"/>', 6, ["part2"]),
+        ('<sphere radius="0.1"/>', 16, ["part2"]),
+        ('<mesh filename="box.stl"/>', 6, ["part2"]),
+        ('<mesh filename="box.stl"/>', 5, []),
+        ('<box size="0.02 0.02 0.02"/>', 16, []),
+    ],
+)
+def test_or_by_ten_times_the_faces(tmp_path: Path, simple: str, rings: int, expected: list[str]) -> None:
+    """Of shapes of one place: a ball of 2 x 12 (rings - 1) triangles, and 12 of a box."""
+    for name, count in (("ball", rings), ("fine", 16)):
+        (tmp_path / f"{name}.stl").write_bytes(binary_stl(uv_sphere(0.1, count, 12)))
+    (tmp_path / "box.stl").write_bytes(binary_stl(box((0.2, 0.2, 0.2))))
+    ball, fine = '<mesh filename="ball.stl"/>', '<mesh filename="fine.stl"/>'
+    file = tmp_path / "drawn.urdf"
+    file.write_text(of_links((fine, simple), (fine, simple), (simple, ball)))
+    assert exchanged(str(file)) == expected
+
+
+def finger(number: int, leader: str, more: str = "") -> str:
+    follows = f'<axis xyz="0 1 0"/>{LIMIT}<mimic joint="{leader}"/>'
+    inner = a_link(f"inner{number}") + a_joint(f"near{number}", "upper", f"inner{number}")
+    return (
+        inner + a_link(f"outer{number}") + a_joint(f"far{number}", f"inner{number}", f"outer{number}", follows) + more
+    )
+
+
+def beside(number: int) -> str:
+    return a_link("beside") + a_joint("beside", f"inner{number}", "beside")
+
+
+@pytest.mark.parametrize(
+    ("leaders", "more", "expected"),
+    [
+        (["near0", "near1", "near1"], "", ["far2"]),
+        (["near0", "near1", "near2"], "", []),
+        (["near0", "near0"], "", []),
+        (["near0", "near1", "near0", "near1"], "", []),
+        (["near0", "near1", "near2", "near3", "near0", "near1"], "", ["far4", "far5"]),
+        (["near0", "near1", "shoulder"], "", []),
+        (["near0", "near1", "near1", "near2"], "", []),  # what is before far2 leads another finger itself
+        (["near0", "near1", "near1"], beside(2), []),  # and here it is no part of one finger
+        (["near0", "near1", "near1"], beside(1), ["far2"]),
+    ],
+)
+def test_a_finger_that_follows_another_one(leaders: list[str], more: str, expected: list[str]) -> None:
+    """The last joint of a finger whose own one is free follows that of a finger which has a follower of its own."""
+    text = arm(more="".join(finger(k, leader) for k, leader in enumerate(leaders)) + more)
+    found = [one for one in check_one(text.encode()) if one.code == "RD510"]
+    assert [one.subject.name for one in found if one.subject] == expected
+    assert {one.severity for one in found} <= {W}
+    for one in found:
+        assert one.remedy == f"mimic joint 'near{one.message.split(chr(39))[1][3:]}', which leads none"
+        assert text.encode()[one.start : one.end].decode() in leaders
+
+
+@pytest.mark.parametrize(
+    ("leaders", "expected"), [(["near0", "near1", "near2"], []), (["near0", "near0", "near2"], ["far1"])]
+)
+def test_a_joint_between_leader_and_follower_is_no_other_finger(leaders: list[str], expected: list[str]) -> None:
+    """The tip of a finger of three joints may follow the first of them, which is one more finger by its own joint."""
+    between = a_link("middle") + a_joint("between", "inner2", "middle")
+    text = arm(more="".join(finger(k, leader) for k, leader in enumerate(leaders)) + between)
+    text = text.replace(
+        '<parent link="inner2"/><child link="outer2"/>', '<parent link="middle"/><child link="outer2"/>'
+    )
+    assert 'parent link="middle"' in text
+    found = [one for one in check_one(text.encode()) if one.code == "RD510"]
+    assert [one.subject.name for one in found if one.subject] == expected
