@@ -68,7 +68,7 @@ def test_exact_logs_give_exact_base_parameters(name, tmp_path):
     robot = ROBOTS / f"{name}.urdf"
     names = robodyn.load(robot).rates
     scene = Scene(friction=friction(robodyn.load(robot), 0.5, 0.8, -0.6), rotor={each: Rotor(0.03) for each in names})
-    model, _, _ = logged(tmp_path / "log.csv", robot, waves, scene, np.random.default_rng(1), time=TIME[:700])
+    model, _, _ = logged(tmp_path / "log.csv", robot, waves, scene, np.random.default_rng(1), time=TIME[:400])
     found = identify([read_log(str(tmp_path / "log.csv"), model)])
     assert off_truth(found, scene) < 1e-10
 
@@ -79,7 +79,7 @@ def test_exact_logs_give_exact_base_parameters(name, tmp_path):
 def test_positions_alone_give_what_their_derivatives_allow(values, bound, tmp_path):
     """Splines at 200 Hz of motions up to 1.2 Hz; dry friction is smoothed at turns."""
     scene = Scene(friction=friction(robodyn.load(SPATIAL), *values))
-    model, _, _ = logged(tmp_path / "log.csv", SPATIAL, waves, scene, np.random.default_rng(1), rates=False)
+    model, _, _ = logged(tmp_path / "log.csv", SPATIAL, waves, scene, np.random.default_rng(1), rates=False, time=TIME[:1200])
     assert off_truth(identify([read_log(str(tmp_path / "log.csv"), model)]), scene) < bound
 
 
@@ -141,7 +141,7 @@ def test_friction_that_grows_with_load(tmp_path, monkeypatch):
 def test_springs_and_payloads_of_the_scene_are_known(tmp_path):
     model = robodyn.load(SPATIAL)
     scene = Scene(spring={model.rates[1]: Spring(20.0, 0.1)}, friction=friction(model, 0.5, 0.8, -0.8))
-    logged(tmp_path / "log.csv", SPATIAL, waves, scene, np.random.default_rng(4), noise=0.01, time=TIME[:1400])
+    logged(tmp_path / "log.csv", SPATIAL, waves, scene, np.random.default_rng(4), noise=0.01, time=TIME[:800])
     found = identify([read_log(str(tmp_path / "log.csv"), model, scene)], scene)
     assert found.held_out.relative_error < 0.01
     assert found.scene.spring == scene.spring
@@ -157,7 +157,7 @@ def test_units_do_not_count(tmp_path):
     model, _, _ = logged(
         *(tmp_path / "log.csv", tmp_path / "robot.urdf", waves, scene, np.random.default_rng(5)),
         noise=0.01,
-        time=TIME[:1400],
+        time=TIME[:800],
     )
     found = identify([read_log(str(tmp_path / "log.csv"), model)])
     assert found.held_out.relative_error < 0.01

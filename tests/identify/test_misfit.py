@@ -15,7 +15,7 @@ from helpers.oracles import ROBOTS
 
 import robodyn
 
-SAMPLES, FEW = 4000, 2000
+SAMPLES, FEW = 4000, 1400
 QUICK = "each torque late by its own, to 50 ms"
 TOLD = {
     "clipped at half of the largest torque": "as if it were clipped",

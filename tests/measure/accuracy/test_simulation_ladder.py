@@ -112,7 +112,7 @@ def test_an_initial_state_of_a_table_is_that_of_the_reference():
 
 def test_closed_chains():
     model, scene = four_bars(1)
-    found = simulation_accuracy(model, scene, 0.048)
+    found = simulation_accuracy(model, scene, 0.032)
     assert found.ladders[0].reference.startswith("gauss6 and dop853, which agree to ")
     rungs = {rung.name: rung for rung in found.ladders[0].rungs}
     assert 100 <= rungs["rk4, 16 ms"].error / rungs["rk4, 4 ms"].error <= 700
