@@ -13,7 +13,7 @@ import pytest
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the command does, before NumPy is imported
 _QUICK = hypothesis.settings(  # without a deadline: how long an example takes says how busy the machine is
-    deadline=None, max_examples=25, suppress_health_check=[hypothesis.HealthCheck.function_scoped_fixture]
+    deadline=None, max_examples=15, suppress_health_check=[hypothesis.HealthCheck.function_scoped_fixture]
 )
 hypothesis.settings.register_profile("quick", _QUICK)
 hypothesis.settings.register_profile("thorough", _QUICK, max_examples=300)  # pytest --hypothesis-profile thorough

@@ -230,7 +230,7 @@ def planted(path: Path, kind: str) -> Iterator[tuple[bytes, str]]:
 CASES = [pytest.param(path, kind, id=f"{path.stem}-{kind}") for kind in KINDS for path in ROBOTS]
 
 
-@pytest.mark.parametrize(("path", "kind"), sampled(CASES, 7))
+@pytest.mark.parametrize(("path", "kind"), sampled(CASES, 14))
 def test_planted(path: Path, kind: str) -> None:
     for text, name in planted(path, kind):
         found = compare(robodyn.load(path), robodyn.load(text))
@@ -244,7 +244,7 @@ def test_planted(path: Path, kind: str) -> None:
         assert not found.equal
 
 
-@pytest.mark.parametrize("path", sampled([pytest.param(path, id=path.stem) for path in ROBOTS], 3))
+@pytest.mark.parametrize("path", sampled([pytest.param(path, id=path.stem) for path in ROBOTS], 6))
 def test_equal_to_itself(path: Path) -> None:
     found = compare(robodyn.load(path), robodyn.load(path.read_bytes()))
     assert found.equal

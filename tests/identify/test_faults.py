@@ -218,7 +218,7 @@ def log_of(seed: int, file: Path) -> tuple[str, ...]:
     return ("torques", str(ROBOT), str(file), "--measured")
 
 
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
 def test_what_is_told_is_possible_and_counts(seed: int, tmp_path: Path) -> None:
     call = log_of(seed, tmp_path / "log.csv")
     found = json.loads(run(*call, "--format", "json").out)

@@ -79,7 +79,9 @@ def test_exact_logs_give_exact_base_parameters(name, tmp_path):
 def test_positions_alone_give_what_their_derivatives_allow(values, bound, tmp_path):
     """Splines at 200 Hz of motions up to 1.2 Hz; dry friction is smoothed at turns."""
     scene = Scene(friction=friction(robodyn.load(SPATIAL), *values))
-    model, _, _ = logged(tmp_path / "log.csv", SPATIAL, waves, scene, np.random.default_rng(1), rates=False, time=TIME[:1200])
+    model, _, _ = logged(
+        tmp_path / "log.csv", SPATIAL, waves, scene, np.random.default_rng(1), rates=False, time=TIME[:1200]
+    )
     assert off_truth(identify([read_log(str(tmp_path / "log.csv"), model)]), scene) < bound
 
 

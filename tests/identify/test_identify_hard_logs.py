@@ -151,7 +151,13 @@ HARD = {
 }
 
 
-SLOW = ("a position reversed", "positions exchanged", "positions exchanged, under noise", "a torque in another unit")
+SLOW = (
+    "channels exchanged",
+    "a position reversed",
+    "positions exchanged",
+    "positions exchanged, under noise",
+    "a torque in another unit",
+)
 
 
 @pytest.mark.parametrize("case", [pytest.param(case, marks=[pytest.mark.slow] * (case in SLOW)) for case in HARD])

@@ -69,7 +69,7 @@ def both(name: str, rows: int, rng: np.random.Generator) -> tuple[robodyn.Result
     return derived, robodyn.torques(model, robodyn.motion(model, t, q, v, a)), robodyn.inverse_dynamics(model, q, v, a)
 
 
-@pytest.mark.parametrize("name", sampled(MOTIONS, 2))
+@pytest.mark.parametrize("name", sampled(MOTIONS, 3))
 def test_which_numbers_of_samples_are_too_few_and_that_error_bars_hold(name: str) -> None:
     rng, held = np.random.default_rng(1), []
     for rows in ROWS:

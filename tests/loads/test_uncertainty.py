@@ -252,11 +252,11 @@ def test_bars_are_those_of_motions_that_are_run_again(name, more, samples, count
 
 def test_blocks_threads_and_executors_agree():
     model = robot("two_link_planar")
-    scene, trajectory = scene_of(model), waves(model, 300)
+    scene, trajectory = scene_of(model), waves(model, 120)
 
     whole = list(bars(robodyn.torques(model, trajectory, scene, executor="numpy").uncertainty))
     again = list(bars(robodyn.torques(model, trajectory, scene, executor="compiled", threads=2).uncertainty))
-    parts = list(bars(robodyn.torques(model, Pieces(trajectory, [130, 1, 169]), scene).uncertainty))
+    parts = list(bars(robodyn.torques(model, Pieces(trajectory, [50, 1, 69]), scene).uncertainty))
     for (name, a), (_, b), (_, c) in zip(whole, again, parts, strict=True):
         assert a.standard_error == pytest.approx(b.standard_error, rel=1e-9, abs=1e-12), name
         assert a.low == pytest.approx(b.low, rel=1e-9, abs=1e-9), name

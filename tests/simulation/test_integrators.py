@@ -33,7 +33,7 @@ def settled():
     return np.array([*found.q[-1], *found.qd[-1], found.work[-1]])
 
 
-@pytest.mark.parametrize("method", sampled(FIXED, 3), ids=lambda method: method.name)
+@pytest.mark.parametrize("method", sampled(FIXED, 5), ids=lambda method: method.name)
 def test_order(method, settled):
     model, scene = tumbling()
     errors = []

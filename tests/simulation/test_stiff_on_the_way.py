@@ -25,7 +25,7 @@ CREEP = 1e-3 * 0.8 / 0.6
 """rad/s under 0.8 of the friction, of v / sqrt(v^2 + slip^2) = 0.8."""
 
 
-@pytest.mark.parametrize("how", [{}, {"rtol": 1e-7}])
+@pytest.mark.parametrize("how", [{}, pytest.param({"rtol": 1e-7}, marks=pytest.mark.slow)])
 def test_friction_that_becomes_stiff_on_the_way_is_followed(how, monkeypatch):
     """From 4000/s to 1e7/s: rk4 with the steps of the start ends 0.35 rad away."""
     monkeypatch.setattr(stiff_steps, "MOST_UNASKED", 4e4 if not how else 5e3)
@@ -124,7 +124,7 @@ def test_elastic_impacts_are_followed_by_default(stiffness: float, mass: float, 
     assert found.caveats == ()
 
 
-@pytest.mark.parametrize("method", sampled(FIXED, 4))
+@pytest.mark.parametrize("method", sampled(FIXED, 8))
 def test_an_impact_that_is_not_followed_is_never_green(method: str) -> None:
     """With steps of every length, from far too long to short enough."""
     doubted = 0

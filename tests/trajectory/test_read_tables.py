@@ -261,8 +261,8 @@ def test_line_of_a_late_row_in_a_large_file(tmp_path: Path, monkeypatch: pytest.
 
 def test_progress(tmp_path: Path) -> None:
     path = tmp_path / "t.csv"
-    path.write_text(Q + "".join(f"{i},{i},{i}\n" for i in range(1_200)))
-    with open_trajectory(path, ARM, reading=Reading("central"), block_rows=120) as reader:
+    path.write_text(Q + "".join(f"{i},{i},{i}\n" for i in range(400)))
+    with open_trajectory(path, ARM, reading=Reading("central"), block_rows=40) as reader:
         places = [reader.position_bytes for _ in reader.blocks()]
     assert reader.size_bytes == path.stat().st_size == places[-1]
     assert len(places) >= 10
@@ -336,11 +336,11 @@ def test_blocks_shorter_than_the_halo_twice(tmp_path: Path) -> None:
 
 def test_the_method_does_not_depend_on_blocks(tmp_path: Path) -> None:
     """Rest first, then a noisy motion: the method is chosen from all of the file, not from its first block."""
-    t = np.arange(4_000) / 1000
-    q = np.round(np.where(t < 2, 0.0, np.sin(t - 2)), 5)
+    t = np.arange(2_000) / 1000
+    q = np.round(np.where(t < 1, 0.0, np.sin(t - 1)), 5)
     path = write(tmp_path / "t.npz", {"time": t, "q_a": q})
     one = Signals((Signal("a", "angle"),))
-    with open_trajectory(path, one, block_rows=500) as reader:
+    with open_trajectory(path, one, block_rows=250) as reader:
         first = next(iter(reader.blocks()))
     assert first.derivation is not None
     assert first.derivation.joints[0].acceleration.startswith("local polynomials")

@@ -276,12 +276,12 @@ def assert_load_as_before(results: Sequence[Fixed], folder: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("part", "loading"), [(0, False), *(pytest.param(part, True, marks=pytest.mark.slow) for part in range(4))]
+    ("part", "loading"), [(0, False), *(pytest.param(part, True, marks=pytest.mark.slow) for part in range(8))]
 )
 def test_planted_defects(part: int, loading: bool, tmp_path: Path) -> None:
     """What has no fix stays as it is."""
     mended = []
-    for name in list(CORPUS)[part::4]:
+    for name in list(CORPUS)[part::8]:
         fixes = [one.fix for one in checked(name, CORPUS[name]) if one.fix]
         for unsafe in (False, True):
             one = result(name, unsafe)

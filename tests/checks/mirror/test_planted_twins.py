@@ -166,7 +166,11 @@ def heavier(name: str, link: str, factor: float, tensor: bool) -> bytes:
 @pytest.mark.parametrize(("factor", "unit"), [(2.20462, "it is in pounds"), (1000.0, "it is in grams")])
 @pytest.mark.parametrize("tensor", [False, True])
 @pytest.mark.parametrize(
-    ("name", "link"), [("go2", "FL_calf"), ("talos_full_v2", "arm_left_4_link"), ("solo12", "HR_UPPER_LEG")]
+    ("name", "link"),
+    [
+        *(("go2", "FL_calf"), ("solo12", "HR_UPPER_LEG")),
+        pytest.param("talos_full_v2", "arm_left_4_link", marks=pytest.mark.slow),
+    ],
 )
 def test_a_mass_in_another_unit_is_named_at_the_one_that_has_it(
     name: str, link: str, tensor: bool, factor: float, unit: str

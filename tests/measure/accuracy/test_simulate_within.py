@@ -47,7 +47,7 @@ def test_a_lower_target_takes_no_more_steps():
     ],
 )
 def test_what_cannot_be_is_refused_with_what_was_reached(duration, target, what, monkeypatch):
-    monkeypatch.setattr(effort, "ALLOWED", 0.3)
+    monkeypatch.setattr(effort, "ALLOWED", 0.15)
     with pytest.raises(InputError, match=what):
         simulate_within(pendulum(masses=2), SWING, duration, target)
 

@@ -49,7 +49,9 @@ REFUSED = {
 }
 
 
-@pytest.mark.parametrize("name", REFUSED)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name == "many bodies")) for name in REFUSED]
+)
 def test_what_is_refused(name: str, tmp_path: Path) -> None:
     more, message = REFUSED[name]
     folder = tmp_path / "in"

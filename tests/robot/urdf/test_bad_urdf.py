@@ -372,7 +372,7 @@ def test_work_grows_with_the_size(text: Callable[[int], bytes]) -> None:
         with contextlib.suppress(DescriptionError):
             load_description(data)
 
-    small, large = text(250), text(1000)
+    small, large = text(100), text(400)
     most, few = (calls(lambda each=each: load_or_refuse(each)).total() for each in (large, small))
     assert most <= 4.1 * few
 

@@ -172,7 +172,7 @@ LARGE = [
     "list(range(10**12))",
     "'a' * 10**9",
     "[x for a in range(10**4) for x in range(10**4)]",
-    "[0 for a in range(10**5) for b in range(10**5) if False]",
+    pytest.param("[0 for a in range(10**5) for b in range(10**5) if False]", marks=pytest.mark.slow),
     "factorial(10**7)",
     "list(map(factorial, [10**7]))",
     "prod([2**2000] * 1000)",
