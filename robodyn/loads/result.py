@@ -11,8 +11,7 @@ from robodyn.errors import TOO_FEW, Caveat
 from robodyn.robot.limits import Coverage, Excess, reached_beyond, within
 from robodyn.scene.scene import Curve, Vector
 from robodyn.support.floats import BEYOND, Floats
-from robodyn.support.shown import Cell, Shown
-from robodyn.support.wording import count, figure, shown
+from robodyn.support.wording import Cell, Shown, count, figure, shown
 from robodyn.trajectory.motion import Derivation
 
 if TYPE_CHECKING:

@@ -11,8 +11,7 @@ from robodyn.programs.vectors import length
 from robodyn.solids.inertia.laws import Inertia
 from robodyn.support.floats import Floats
 from robodyn.support.frozen import Frozen
-from robodyn.support.shown import Cell, Shown
-from robodyn.support.wording import count, figure, listed, shown, shown_path
+from robodyn.support.wording import Cell, Shown, count, figure, listed, shown, shown_path
 
 if TYPE_CHECKING:
     from robodyn.robot.urdf.parts import Description

@@ -32,8 +32,7 @@ from robodyn.robot.limits import Excess, held_beyond
 from robodyn.robot.model import Model
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
-from robodyn.support.shown import Cell, Shown
-from robodyn.support.wording import count, figure, listed, shown
+from robodyn.support.wording import Cell, Shown, count, figure, listed, shown
 
 _LOST = 1.0 / float(np.finfo(float).eps)
 _BALANCED = 1e-9

@@ -17,8 +17,7 @@ from robodyn.robot.model import Model
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
 from robodyn.support.input_file import open_input
-from robodyn.support.shown import Cell, Shown
-from robodyn.support.wording import count, figure, shown, shown_path
+from robodyn.support.wording import Cell, Shown, count, figure, shown, shown_path
 from robodyn.trajectory.derivatives.derivative_selection import estimate
 from robodyn.trajectory.motion import Trajectory
 from robodyn.trajectory.read import read_motion
