@@ -50,7 +50,7 @@ def explicit(free=False):
     return built(*parts, moving_base=free), replace(scene, rotor=still)
 
 
-@both
+@pytest.mark.parametrize("free", [pytest.param(False, marks=pytest.mark.slow), True])
 def test_an_explicit_rotor_on_a_mimic_joint(free):
     model, scene, (q, qd, qdd), columns = busy(free)
     other, bare = explicit(free)

@@ -53,9 +53,9 @@ def test_speeds_along_one_way_are_followed_and_the_reports_say_what_is_assumed(s
 
 def test_at_rest_no_way_is_marked():
     model, scene = parallelogram()
-    found = robodyn.simulate(model, scene, 0.1)
+    found = robodyn.simulate(model, scene, 0.05)
     assert any(each.text.startswith(LEAVE) and "at rest none is marked" in each.text for each in found.caveats)
-    asked = simulate_within(model, scene, 0.1, 1e-2)
+    asked = simulate_within(model, scene, 0.05, 1e-2)
     assert any(each.text.startswith(LEAVE) for each in asked.caveats)
     off = replace(scene, initial_q={"a": 0.1}, initial_qd={"a": 1.0})
     assert not any("the loops" in each.text for each in robodyn.simulate(model, off, 0.01).caveats)
@@ -81,7 +81,7 @@ def test_passing_is_told_with_its_times(count):
 
 @pytest.mark.parametrize("chain", [crank_slider, bennett], ids=lambda chain: chain.__name__)
 def test_loops_that_keep_their_rank_are_not_accused(chain):
-    found = robodyn.simulate(*chain(), 1.0)
+    found = robodyn.simulate(*chain(), 0.3)
     assert found.loops.singular == ()
     assert found.loops.usual == found.loops.freedoms
     assert not any("ways part" in line for line in (*found.notes, *(each.text for each in found.caveats)))
