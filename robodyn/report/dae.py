@@ -207,19 +207,16 @@ def _connections(found: Dae) -> Section:
 
 def dae_json(found: Dae) -> str:
     """Return the DAE form; what is not defined where nothing resists some motion is null."""
-    system, both, counts, index = found.system, found.comparison, found.counts, found.counts.index
-    keys = "steps J Jdot_qd:drift M tau_less_bias:free loops"
-    steps = [select(step, "title formula check:checks error scale") for step in found.steps]
-    elimination = select(found.reduced, keys, steps=steps, loops=select(found.reduced, "G gamma"))
+    system, counts, index, matrices = found.system, found.counts, found.counts.index, found.system.matrices
     connections: list[dict[str, Any]] = []
-    row, free, matrices = 0, 0, system.matrices
+    row, free = 0, 0
     names = dict(enumerate(body.name for body in system.model.bodies))
     for connection in system.connections:
         held, own = [], []
         for reaction, equation in zip(connection.reactions, connection.equations, strict=True):
-            one = {"reaction": reaction, "rows": _rows_json(found, equation), "gamma": float(matrices.gamma[row])}
-            one |= {"g": float(found.residuals.places[row]), "Gv": float(found.residuals.speeds[row])}
-            one["lambda"] = None if found.solution is None else float(found.solution.reactions[row])
+            one = {"reaction": reaction, "rows": _rows_json(found, equation), "gamma": matrices.gamma[row]}
+            one |= {"g": found.residuals.places[row], "Gv": found.residuals.speeds[row]}
+            one["lambda"] = None if found.solution is None else found.solution.reactions[row]
             for name in ("redundant", "undetermined"):
                 one[name] = (connection.name, reaction) in getattr(counts, name)
             held.append(one)
@@ -233,39 +230,36 @@ def dae_json(found: Dae) -> str:
         connections.append(select(connection, keys, **ends, equations=held, coordinates=own))
     bodies = []
     for i, (body, inertia) in enumerate(zip(system.model.bodies, system.inertias, strict=True)):
-        a = None if found.solution is None else found.solution.a[6 * i : 6 * i + 6]
-        one = {"name": body.name, "mass": float(inertia.m), "com": inertia.centre_of_mass}
-        one |= {"inertia": inertia.about_centre, "rotation": system.at[i].R}
-        one |= {"centre": system.at[i].c - system.at[-1].c, **select(system.at[i], "w v")}
-        one["f"] = matrices.f[6 * i : 6 * i + 6]
-        one |= {"wd": None if a is None else a[:3], "vd": None if a is None else a[3:]}
+        at, part = system.at[i], slice(6 * i, 6 * i + 6)
+        a = None if found.solution is None else found.solution.a[part].tolist()
+        one = {"name": body.name, "mass": inertia.m, "com": inertia.centre_of_mass, "inertia": inertia.about_centre}
+        one |= {"rotation": at.R, "centre": at.c - system.at[-1].c, "w": at.w, "v": at.v, "f": matrices.f[part]}
+        one |= {"wd": a and a[:3], "vd": a and a[3:]}
         one["joint_wrench"] = select(found.wrenches[i], "force:f moment:n") if found.wrenches else None
         bodies.append(one)
-    residual = {name: float(np.abs(part).max(initial=0.0)) for name, part in found.residuals._asdict().items()}
-    return written(
-        {
-            "robot": system.model.name,
-            "form": "dae",
-            "gravity": system.scene.gravity,
-            **select(system.model, "coordinates rates"),
-            **select(found, "q qd tau"),
-            "counts": select(
-                counts,
-                "bodies positions velocities reactions equations:unknowns rank degrees_of_freedom:freedom redundant "
-                "undetermined coefficient_ranks:coefficients coefficient_size:size index",
-                positions=6 * counts.bodies,
-                velocities=6 * counts.bodies,
-                index=index and dict(zip(("positions", "velocities", "accelerations"), index, strict=True)),
-            ),
-            "bodies": bodies,
-            "connections": connections,
-            "residual": residual,
-            "qdd": None if found.solution is None else found.qdd,
-            "elimination": elimination,
-            "comparison": both and select(both, "qdd accelerations forces moments"),
-            "warnings": found.warnings,
-        }
+    own_counts = select(
+        counts,
+        "bodies positions velocities reactions equations:unknowns rank degrees_of_freedom:freedom redundant "
+        "undetermined coefficient_ranks:coefficients coefficient_size:size index",
+        positions=6 * counts.bodies,
+        velocities=6 * counts.bodies,
+        index=index and dict(zip(("positions", "velocities", "accelerations"), index, strict=True)),
     )
+    keys = "steps[title formula check:checks error scale] J Jdot_qd:drift M tau_less_bias:free loops"
+    document = select(
+        found,
+        "robot:system.model.name form gravity:system.scene.gravity coordinates:system.model.coordinates "
+        "rates:system.model.rates q qd tau counts bodies connections residual qdd elimination "
+        "comparison[qdd accelerations forces moments] warnings",
+        form="dae",
+        counts=own_counts,
+        bodies=bodies,
+        connections=connections,
+        residual={name: np.abs(part).max(initial=0.0) for name, part in found.residuals._asdict().items()},
+        qdd=None if found.solution is None else found.qdd,
+        elimination=select(found.reduced, keys, steps=found.steps, loops=select(found.reduced, "G gamma")),
+    )
+    return written(document)
 
 
 def _rows_json(found: Dae, equation: Equation) -> list[dict[str, Any]]:

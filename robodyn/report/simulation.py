@@ -240,7 +240,7 @@ def _stage(result: Simulation, course: Course) -> Iterator[doc.Block]:
     words = "The simulated motion"
     words += "; links are coloured by what their joints use of their limits, red above 100 %" if used else ""
     yield stage.stage(words, [stage.robot(model, [motion])], [shapes], marks=marks)
-    yield from doc.paragraphs([why] if why else [])
+    yield from doc.paragraphs(filter(None, [why]))
 
 
 def simulation_json(result: Simulation) -> str:
@@ -248,46 +248,43 @@ def simulation_json(result: Simulation) -> str:
     from robodyn.simulation.result import deepest, held
     from robodyn.trajectory.columns.signals import COMPONENTS
 
-    model, energy = result.model, result.figures.energy
-    spring, loops = None, None
+    model, energy, own, spring, loops = result.model, result.figures.energy, result.loops, None, None
     if result.scene.limit_spring:
         found = deepest(model, result.time, result.q, result.qd)
         spring = found and doc.select(found, "joint:stop.joint.name side:stop.word value:stop.value depth time limits")
-    if result.loops:
-        own, closures = result.loops, []
-        for name, wrench, gap, slip in zip(own.names, own.wrenches[-1].tolist(), own.gap, own.slip, strict=True):
-            final = dict(zip(COMPONENTS, wrench, strict=True))
-            closures.append({"name": name, "final": final, "gap": float(gap), "slip": float(slip)})
+    if own:
+        finals = [dict(zip(COMPONENTS, wrench, strict=True)) for wrench in own.wrenches[-1].tolist()]
+        every = zip(own.names, finals, own.gap, own.slip, strict=True)
+        closures = [dict(zip(("name", "final", "gap", "slip"), closure, strict=True)) for closure in every]
         keys = "equations dropped rank freedoms usual_freedoms:usual singular stabilised closures"
         loops = doc.select(own, keys, closures=closures)
     states = []
     for row in (0, -1):
         q = dict(zip(model.coordinates, result.q[row].tolist(), strict=True))
         states.append({"q": q, "qd": dict(zip(model.rates, result.qd[row].tolist(), strict=True))})
-    stopped = held(model, result.scene, result.time, result.qd)
-    drift = dict(zip(("linear", "angular"), result.momentum_drift, strict=True)) if result.free else None
-    return doc.written(
-        {
-            "robot": model.name,
-            "duration": float(result.time[-1]),
-            "gravity": result.scene.gravity,
-            "method": {**doc.select(result.method, "name order"), **doc.select(result, "step rtol")},
-            **doc.select(result, "steps evaluations executor ended", ended=result.ended or None),
-            **({"accuracy": doc.select(result, "target expected:expected_error")} if result.target else {}),
-            "start": states[0],
-            "final": states[1],
-            "energy": {"start": energy[0], "end": energy[-1], "work": result.work[-1], "drift": result.energy_drift},
-            "momentum_drift": drift,
-            "loops": loops,
-            "held": [doc.select(each, "joint:joint.name time creep speed") for each in stopped],
-            "limit_spring": spring,
-            "effects": [{"name": effect.name, **doc.select(why, "active reason")} for effect, why in result.effects],
-            **doc.select(
-                result,
-                "joints limits_exceeded:exceeded limits within_limits verdict doubts:caveats warnings notes",
-                limits=limits_data(result.limits),
-                verdict=limits_verdict(result),
-                warnings=[caveat.text for caveat in result.caveats],
-            ),
-        }
+    document = doc.select(
+        result,
+        "robot:model.name duration gravity:scene.gravity method steps evaluations executor ended start final energy "
+        "momentum_drift loops held limit_spring effects joints limits_exceeded:exceeded limits within_limits verdict "
+        "doubts:caveats warnings notes",
+        duration=result.time[-1],
+        method={**doc.select(result.method, "name order"), **doc.select(result, "step rtol")},
+        ended=result.ended or None,
+        start=states[0],
+        final=states[1],
+        energy={"start": energy[0], "end": energy[-1], "work": result.work[-1], "drift": result.energy_drift},
+        momentum_drift=dict(zip(("linear", "angular"), result.momentum_drift, strict=True)) if result.free else None,
+        loops=loops,
+        held=[
+            doc.select(each, "joint:joint.name time creep speed")
+            for each in held(model, result.scene, result.time, result.qd)
+        ],
+        limit_spring=spring,
+        effects=[doc.select(why, "name active reason", name=effect.name) for effect, why in result.effects],
+        limits=limits_data(result.limits),
+        verdict=limits_verdict(result),
+        warnings=[caveat.text for caveat in result.caveats],
     )
+    if result.target:
+        document["accuracy"] = doc.select(result, "target expected:expected_error")
+    return doc.written(document)
