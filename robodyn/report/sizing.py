@@ -5,21 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
-from robodyn.loads.result import Exceeded, FoundationLoad, JointLoad, JointSizing, Result, Sizing
+from robodyn.loads.result import Exceeded, JointLoad, JointSizing, Result, Sizing
 from robodyn.report.document import Facts, Paragraph, Section, Table, paragraphs
 from robodyn.report.sizes import Sizes, result_sizes, speed_unit
-from robodyn.report.table import (
-    Columns,
-    axis_text,
-    by_columns,
-    filled,
-    first_names,
-    is_noise,
-    moment,
-    number,
-    percent,
-    printable,
-)
+from robodyn.report.table import axis_text, filled, first_names, is_noise, number, percent, printable
 from robodyn.support.wording import count, figure
 
 if TYPE_CHECKING:
@@ -58,11 +47,11 @@ def sizing_sections(result: Result, sizing: Sizing) -> Iterator[Section]:
         share = f"{number(100 * joint.static_share)} %" if joint.static_share >= 1e-5 else "0 %"
         rows.append([*row, "-" if is_noise(load.rms, size[unit]) else share])
         if motor is not None:
-            torque = max(size[unit] / motor.gear, abs(motor.peak))
-            speed = max(size[speed_unit(unit)] * motor.gear, abs(motor.max_speed))
-            row = [joint.name, f"{motor.gear:.6g}", f"{number(motor.peak, torque)} {motor.unit}"]
-            row += [moment(motor.peak_time, motor.peak, torque), number(motor.rms, torque)]
-            row += [f"{number(motor.max_speed, speed)} {motor.speed_unit}", size.number(motor.peak_power, "W")]
+            own = Sizes({motor.unit: max(size[unit] / motor.gear, abs(motor.peak))})
+            own[motor.speed_unit] = max(size[speed_unit(unit)] * motor.gear, abs(motor.max_speed))
+            row = [joint.name, f"{motor.gear:.6g}", own.amount(motor.peak, motor.unit)]
+            row += [own.moment(motor.peak_time, motor.peak, motor.unit), own.number(motor.rms, motor.unit)]
+            row += [own.amount(motor.max_speed, motor.speed_unit), size.number(motor.peak_power, "W")]
             row += [size.number(work, "J") for work in (motor.work_positive, motor.work_negative)]
             shafts.append([*row, "-" if motor.inertia_ratio is None else f"{motor.inertia_ratio:.3g}"])
     head = ["joint", "duty", "mean speed", "static peak", "static RMS", "hold share"]
@@ -82,15 +71,13 @@ def sizing_sections(result: Result, sizing: Sizing) -> Iterator[Section]:
     head = ["joint", "u", "v", "axis a", "fu [N]", "fv", "fa", "mu [N m]", "mv", "ma"]
     head += ["radial f", "at [s]", "tilting m", "at [s]"]
     yield [Table("Bearings: largest loads, parent on child, at the joint's origin", head, rows)] if rows else []
-    columns: Columns[FoundationLoad] = [
-        ("", lambda load: f"{load.name[0].upper()}{load.name[1:]}"),
-        ("greatest", lambda load: size.amount(load.greatest, load.unit)),
-        ("at [s]", lambda load: size.moment(load.greatest_time, load.greatest, load.unit)),
-        ("least", lambda load: size.number(load.least, load.unit)),
-        ("at [s]", lambda load: size.moment(load.least_time, load.least, load.unit)),
-        ("mean", lambda load: size.number(load.mean, load.unit)),
-    ]
-    yield [Table("Foundation: ground on robot, in the base's axes", *by_columns(columns, sizing.foundation))]
+    rows = []
+    for part in sizing.foundation:
+        greatest = size.amount(part.greatest, part.unit), size.moment(part.greatest_time, part.greatest, part.unit)
+        least = size.number(part.least, part.unit), size.moment(part.least_time, part.least, part.unit)
+        rows.append([f"{part.name[0].upper()}{part.name[1:]}", *greatest, *least, size.number(part.mean, part.unit)])
+    head = ["", "greatest", "at [s]", "least", "at [s]", "mean"]
+    yield [Table("Foundation: ground on robot, in the base's axes", head, rows)]
     items = []
     for load, joint in sorted(
         zip(result.joints, sizing.joints, strict=True), key=lambda pair: _WORST.index(pair[1].level)

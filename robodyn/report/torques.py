@@ -7,14 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from robodyn.loads.result import JointLoad, MomentumReport, Result
 from robodyn.report.document import Block, Paragraph, Section, Table, encode, paragraphs, remarks, select, written
-from robodyn.report.limits import (
-    exceeded_section,
-    limits_data,
-    limits_verdict,
-    unchecked_words,
-    use,
-    verdict_on_limits,
-)
+from robodyn.report.limits import exceeded_section, limits_data, limits_verdict, unchecked_words, use, verdict_on_limits
 from robodyn.report.sizes import Sizes, result_sizes, speed_unit
 from robodyn.report.sizing import constraint_sections, sizing_sections, uncertainty_sections
 from robodyn.report.table import (
@@ -24,9 +17,6 @@ from robodyn.report.table import (
     filled,
     first_names,
     gravity_text,
-    is_noise,
-    moment,
-    number,
     printable,
     relative_text,
 )
@@ -174,24 +164,27 @@ def load_table(result: Result) -> Content:
 def share_table(result: Result) -> Content:
     """Return for every joint what each effect adds to its peak, without effects that add nothing."""
     joints, size = result.joints, result_sizes(result)
-    names = [effect.name for effect in result.effects]
-    present = [name for name in names if not all(is_noise(abs(j.shares.get(name, 0.0)), size[j.unit]) for j in joints)]
+    present = [
+        effect.name
+        for effect in result.effects
+        if any(size.number(joint.shares.get(effect.name, 0.0), joint.unit) != "0" for joint in joints)
+    ]
     rows = []
     for joint in joints:
-        scale, hold = size[joint.unit], number(joint.hold)
-        shares = (number(joint.shares[name], scale) for name in present)
-        bar, held = _bar(joint, scale), "" if hold == "0" else f"+- {hold}"
-        rows.append([joint.name, *shares, size.amount(joint.peak, joint.unit), bar, held])
+        shares = (size.number(joint.shares[name], joint.unit) for name in present)
+        hold = size.number(joint.hold, joint.unit)
+        more = _bar(joint, size), "" if hold == "0" else f"+- {hold}"
+        rows.append([joint.name, *shares, size.amount(joint.peak, joint.unit), *more])
     loops = result.constraints is not None and result.constraints.loops
     bars = "error (of accelerations)" if loops else "error (95 %)"  # derived velocities of loops count, too
     return filled(["joint", *present, "sum", bars, "friction holds"], rows)
 
 
-def _bar(joint: JointLoad, scale: float) -> str:
+def _bar(joint: JointLoad, size: Sizes) -> str:
     """Return the error bar of the largest torque, empty if below a millionth or not known; a bound with the noise
     beside it where doubt is more of it than noise, two standard deviations."""
     bar, noise = joint.error_bar, NOISE * joint.uncertainty
-    if bar is None or bar <= 1e-6 * abs(joint.peak) or is_noise(bar, scale):
+    if bar is None or bar <= 1e-6 * abs(joint.peak) or size.number(bar, joint.unit) == "0":
         return ""
     return f"+- {bar:.2g}" if bar <= 2.0 * noise else f"within {bar:.2g}" + (f", noise {noise:.2g}" if noise else "")
 
@@ -224,15 +217,15 @@ def _momentum(report: MomentumReport) -> Table:
     names = {"origin": "the origin", "com": "the mass centre"}
     about = names.get(str(report.about)) or "({:g}, {:g}, {:g}) m".format(*report.about)
     kinds = [row.name.partition("_")[0] for row in report.ranges]
-    scales = dict.fromkeys(kinds, 0.0)
+    scales = Sizes(dict.fromkeys(kinds, 0.0))
     for kind, row in zip(kinds, report.ranges, strict=True):
         scales[kind] = max(scales[kind], abs(row.least), abs(row.greatest))
     scales["L"] = max(scales["L"], scales["p"] * scales["com"])  # L also beside p at the mass centre's distance
     scales["T"] = scales["V"] = max(scales["T"], scales["V"])
     rows = []
     for kind, row in zip(kinds, report.ranges, strict=True):
-        least = number(row.least, scales[kind]), moment(row.least_time, row.least, scales[kind])
-        most = number(row.greatest, scales[kind]), moment(row.greatest_time, row.greatest, scales[kind])
+        least = scales.number(row.least, kind), scales.moment(row.least_time, row.least, kind)
+        most = scales.number(row.greatest, kind), scales.moment(row.greatest_time, row.greatest, kind)
         rows.append((f"{row.name} [{_UNITS[kind]}]", *least, *most))
     title = f"Momentum and energy in the frame of {owner}, L about {about}; power is tau . qd"
     return Table(title, ("", "least", "at [s]", "greatest", "at [s]"), rows)
