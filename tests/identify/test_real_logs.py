@@ -67,8 +67,8 @@ def test_friction_without_breakaway(log):
 
 @pytest.mark.parametrize(("new", "old", "better"), [(0.3, 0.5, True), (0.6, 0.5, False), (1.2, 1.8, False)])
 def test_what_explains_less_than_nothing_is_not_better(new, old, better):
-    errors = {name: Errors(value, {}) for name, value in (("held_out", new), ("original_held_out", old))}
-    assert Identified.better.fget(SimpleNamespace(train=None, original_train=None, **errors)) is better
+    judged = Errors(new, {}), Errors(old, {})
+    assert Identified.better.fget(SimpleNamespace(judged=judged)) is better
 
 
 def test_joints_that_move_together_show_no_motor_of_their_difference(tmp_path):
