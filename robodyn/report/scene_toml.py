@@ -78,41 +78,31 @@ def _sections(model: Model) -> Iterator[tuple[str, Sequence[str]]]:
 
 
 _ZERO, _DOWN = "[0.0, 0.0, 0.0]", "[0.0, 0.0, -10.0]"
-_FRICTION = """Friction, in place of the description's: viscous N m s/rad, coulomb N m or [forward, backward];
-stribeck N m, the torque of breakaway, and stribeck_velocity rad/s; load, a share of the torque that passes the
-gear. For prismatic joints N and m/s."""
+_FRICTION = """Friction, in place of the description's: viscous N m s/rad, coulomb N m or [forward, backward], stribeck
+N m with stribeck_velocity rad/s, load a share of the torque that passes the gear; for prismatic joints N, m/s."""
 _SLIP = "Coulomb friction grows over this speed, rad/s: f qd / sqrt(qd^2 + slip_speed^2)."
-_ROTOR = """Rotors, which add gear^2 inertia to a joint: inertia kg m^2 about the motor's axis, gear in turns of the
-motor per turn of the joint."""
-_SPIN = """Rotors whose gyroscopic moments count: on is the link that carries the rotor, without it the joint's parent;
-axis in the axes of that link, without it the joint's. One of them is enough."""
+_ROTOR = "Rotors add gear^2 inertia to a joint: kg m^2 about the motor's axis, gear its turns for one of the joint."
+_SPIN = "Rotors whose gyroscopic moments count: on the link that carries them, axis in its axes; one is enough."
 _MOTOR = """Data sheets of motors, by which torques judges them: peak and continuous N m at the motor's shaft, a number
 or [[speed, torque], ...]; max_speed rad/s; efficiency of the gear; gear and inertia here or in rotor."""
-_COUPLED = """Motors that turn with a sum of joints, coefficient times speed, as in wrists: inertia kg m^2 of the rotor,
-gear; viscous, coulomb, stribeck as for joints."""
+_COUPLED = "Motors that turn with a sum of joints, coefficient times speed, as in wrists: inertia kg m^2, gear."
 _SPRING = "Springs that pull a joint towards rest: stiffness N m/rad, rest rad."
-_PAYLOAD = """Masses fixed to links: mass kg, com m in the link's frame, inertia [ixx, ixy, ixz, iyy, iyz, izz] kg m^2
-about it. On the command line: --payload LINK=KG or LINK=KG@X,Y,Z."""
-_WRENCH = """Forces N and moments N m that act on links: numbers or names of columns of the trajectory; in the axes of
-the "link", of the "base" or of the "world"; at a point of the link's frame, m."""
-_FLUID = """Water or air: density kg/m^3, velocity m/s; of each link in it volume m^3, its centre m, drag_area
-[x, y, z] m^2."""
+_PAYLOAD = "Masses fixed to links: mass kg, com m, inertia [ixx, ixy, ixz, iyy, iyz, izz] kg m^2 about it."
+_WRENCH = 'Forces N and moments N m on links, numbers or columns; axes of the "link", "base" or "world".'
+_FLUID = "Water or air: density kg/m^3, velocity m/s; of each link volume m^3, its centre m, drag_area [x, y, z] m^2."
 _BASE = "A base that moves: as the columns base_x ... of the trajectory say; in a simulation it is free."
 _INITIAL = "Where a simulation begins: q rad or m, qd rad/s or m/s; numbers or names of columns of --traj."
 _DRIVE = """What drives a joint in a simulation: torque + kp (reference - q) + kd (speed - qd); torque, reference and
 speed are numbers or names of columns of --traj. Joints without a drive are free."""
 _BETWEEN = 'Torques between the rows of --traj: "linear" without this line, or "hold" the last row\'s.'
-_LIMITS = """A simulation ends where a joint reaches a limit, or ignores limits, or has springs there:
-stiffness N m/rad, damping N m s/rad."""
-_LOOP = """Loops of a simulation: a point of a link is held at a point of another or of the "ground"; kind "point",
-"hinge" with an axis, or "weld"."""
+_LIMITS = "A simulation ends at a limit of a joint, or ignores it, or has springs: N m/rad, N m s/rad."
+_LOOP = 'A point of a link is held at a point of another or of the "ground"; kind "point", "hinge", "weld".'
 _PASSIVE = "Joints that drive, or those that nothing drives; give one of these lists."
 _SHARE = """Actuators that are more than enough share a load by the least sum of weighted squares of their torques; a
 weight is a number, or "effort" for 1 / (effort limit)^2."""
 _CONTACT = """What a link of a robot whose base moves stands on: point or polygon in the link's frame, normal in the
 ground's axes, friction; on: "always", "auto", a column, or intervals of time."""
-_UNCERTAINTY = """How well parameters are known: standard deviations of masses, centres of mass, inertias and friction,
-as a share or with a unit; torques then gives error bars."""
+_UNCERTAINTY = "Standard deviations of masses, centres, inertias, friction, as a share or with a unit: error bars."
 _COST = "Of all contact forces that balance, those of least forces |f|^2 / W^2 + torques (tau / limit)^2 are taken."
 _BAUMGARTE = "1/s: errors of loops decay at this rate; without this line they are projected away after each step."
 
@@ -131,7 +121,6 @@ def _of_each(table: str, joints: Sequence[Joint], values: Callable[[Joint], dict
 
 def _rest(joint: Joint) -> float:
     """Return zero, or the limit nearest to it."""
-    lower, upper = joint.lower, joint.upper
-    if lower is not None and upper is not None and lower > upper:
-        return 0.0
-    return max(lower or 0.0, 0.0) or min(0.0 if upper is None else upper, 0.0)
+    lower, upper = joint.lower or 0.0, joint.upper or 0.0
+    crossed = joint.lower is not None and joint.upper is not None and lower > upper
+    return 0.0 if crossed else max(lower, 0.0) or min(upper, 0.0)
