@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 from scipy.interpolate import BPoly, PPoly
-from scipy.signal import lfilter
 
 from robodyn.identification.log.log import Samples
 from robodyn.identification.log.rows import convolved, decimation, kernel
@@ -46,6 +45,8 @@ def white(rng, shape):
 
 def coloured(rng, shape, memory=0.9):
     """Of unit variance: each sample keeps a part of the one before."""
+    from scipy.signal import lfilter
+
     steps = np.sqrt(1.0 - memory * memory) * rng.standard_normal((shape[0] + 100, shape[1]))
     return lfilter([1.0], [1.0, -memory], steps, axis=0)[100:]
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.signal import lfilter
 
 from helpers.exact_motions import Array, Course, Rng
 
@@ -82,6 +81,8 @@ def read(course: Course, rng: Rng, hz: float, reading: str, given: str, units: A
 
 def correlated(rng: Rng, shape: tuple[int, ...], kept: float) -> Array:
     """Noise of unit variance, each value `kept` of the one before."""
+    from scipy.signal import lfilter
+
     off = rng.standard_normal((shape[0] + 200, *shape[1:]))
     return lfilter([np.sqrt(1 - kept**2)], [1.0, -kept], off, axis=0)[200:]
 

@@ -13,7 +13,6 @@ import pytest
 from benchmarks.peak_bar_coverage import ABOVE, BELOW, ENOUGH, GREEN, NARROW, Case, case
 from helpers.exact_motions import MOTIONS, course
 from helpers.read_motions import GIVEN, READINGS
-from scipy.stats import binom
 
 DRAWS = 4
 RISK, KEPT = 1e-3, 0.9
@@ -28,6 +27,8 @@ def cases() -> list[Case]:
 
 def least(share: float, count: int) -> int:
     """Fewer of `count` than this have a chance below RISK where this share is true."""
+    from scipy.stats import binom
+
     return int(binom.ppf(RISK, count, share))
 
 

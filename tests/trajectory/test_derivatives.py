@@ -7,7 +7,6 @@ import pytest
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 from scipy.interpolate import make_interp_spline
-from scipy.signal import savgol_filter
 from scipy.spatial.transform import Rotation
 
 from robodyn.errors import TrajectoryError
@@ -36,6 +35,8 @@ def test_spline_is_that_of_scipy(count: int, jitter: float) -> None:
 
 @pytest.mark.parametrize("window", [7, 101])
 def test_savitzky_golay_is_that_of_scipy(window: int) -> None:
+    from scipy.signal import savgol_filter
+
     values = np.random.default_rng(1).normal(size=300)
     found = differentiate(np.arange(300) * 0.5, values[:, None], savgol(window))
     for order, derivative in enumerate(found, start=1):
