@@ -153,7 +153,7 @@ def _single(call: Call, urdf: str, trajectory: str, loads: dict[str, Any], examp
     from robodyn.cli.progress import watched
     from robodyn.loads.accumulate import output_names
     from robodyn.loads.torques import torques
-    from robodyn.report.limits import speed_use, verdict_section
+    from robodyn.report.limits import verdict_section
     from robodyn.report.torques import torques_sections
     from robodyn.trajectory.read import read_motion
     from robodyn.trajectory.write import format_of, open_writer
@@ -184,7 +184,8 @@ def _single(call: Call, urdf: str, trajectory: str, loads: dict[str, Any], examp
     if example:
         lines = f"\nwritten: {trajectory}, an example motion to begin with"
         if result.sizing is not None:
-            use = max(map(speed_use, result.joints), default=0.0)
+            limited = [joint for joint in result.joints if joint.velocity_limit]
+            use = max((abs(each.max_speed) / (each.velocity_limit or 1.0) for each in limited), default=0.0)
             slow = f" and reaches {100 * use:.0f} % of the limits of speed" if use else ""
             lines += f", which is no duty cycle{slow}: size by the motion that the robot will do"
         lines += "\n"

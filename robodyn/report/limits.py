@@ -185,11 +185,6 @@ def effort_use(joint: JointLoad | JointUse) -> float:
     return abs(joint.peak) / joint.effort_limit if joint.effort_limit else 0.0
 
 
-def speed_use(joint: JointLoad | JointUse) -> float:
-    """Return |speed| / limit; 0 without a limit."""
-    return abs(joint.max_speed) / joint.velocity_limit if joint.velocity_limit else 0.0
-
-
 def use(value: float, limit: float | None) -> str:
     """Return how much of a limit a value takes, in percent."""
     if limit is None:
