@@ -54,11 +54,11 @@ def simulation_sections(result: Simulation, explain: bool = False) -> Iterator[d
     rows = []
     for joint in result.joints:
         unit = speed_unit(joint.unit)
-        row = [joint.name, size.moment(joint.max_speed_time, joint.max_speed, unit)]
-        row += [use(joint.max_speed, joint.velocity_limit)]
+        row = [joint.name, use(joint.max_speed, joint.velocity_limit)]
+        row += [size.moment(joint.max_speed_time, joint.max_speed, unit)]
         peak = [size.amount(joint.peak, joint.unit), size.moment(joint.peak_time, joint.peak, joint.unit)]
         rows.append([*row, *(peak if joint.driven else ("-", "-")), use(joint.peak, joint.effort_limit)])
-    head = ("joint", "max speed at [s]", "of velocity limit", "drive's peak", "at [s]", "of effort limit")
+    head = ("joint", "of velocity limit", "at [s]", "drive's peak", "at [s]", "of effort limit")
     yield [doc.Table("", head, rows)] if rows else []
     yield doc.paragraphs(_drift(result, size))
     if result.loops:
