@@ -149,8 +149,6 @@ HARD = {
     "a position reversed": (misread(sign=(1.0, -1.0)), f"position of {JOINTS[1]} has the wrong sign"),
     "a channel reversed": (lambda _: [write(change=reverse)], f"torque of {JOINTS[1]} has the wrong sign"),
 }
-
-
 SLOW = (
     "channels exchanged",
     "a position reversed",

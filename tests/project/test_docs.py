@@ -52,8 +52,6 @@ TABLES_OF_SCENE = (
 )
 ELSEWHERE = ("KEY", '[[payload]]\nlink = "l"\nmass = 1\nKEY', '[[wrench]]\nlink = "l"\nKEY', "[base]\nKEY")
 """Tables of a scene that do not say what acts in joints and on links."""
-
-
 LONG = (
     *("identify", "feet_on_the_ground", "reports", "many_trajectories", "measured_logs", "export", "first_torques"),
     *("closed_chains", "uncertainty", "lint_in_ci", "linearize", "excite", "motor_sizing", "weighing_a_part"),

@@ -15,8 +15,6 @@ from robodyn.simulation.methods import METHODS
 
 FIXED = [method for method in METHODS if not method.adaptive and not method.leapfrog]
 ADAPTIVE = [method for method in METHODS if method.adaptive]
-
-
 PULLED = Scene(
     spring={"j1": Spring(20.0, 0.3)},
     drive={"j1": Drive(torque=1.5, kp=4.0, reference=-0.2)},

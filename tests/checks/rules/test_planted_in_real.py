@@ -200,18 +200,12 @@ OVERLAPS = (
 )  # fmt: skip
 
 
-def called(plant: Plant) -> str:
-    return f"{plant.code}-{plant.robot}-{plant.part}"
-
-
 PLANTS = (*LIMITS, *FITS, *TREE, *MASSES, *TWINS, *OVERLAPS)
-
-
 OF_TWO = ("RD401", "RD406", "RD517")
 """Of these rules both places are named where it is not known which is wrong."""
 
 
-@pytest.mark.parametrize("plant", sampled(PLANTS, 20), ids=called)
+@pytest.mark.parametrize("plant", sampled(PLANTS, 20), ids=lambda plant: f"{plant.code}-{plant.robot}-{plant.part}")
 def test_named_and_nothing_else(plant: Plant) -> None:
     beside = ("RD901", "RD517") if plant.code == "RD610" else ("RD901",)  # two joints in one place turn about one line
     found = [one for one in fresh(plant) if one.code not in beside]  # MuJoCo refuses flat meshes, too
@@ -233,8 +227,6 @@ SOUND = [
     *((edit, stem) for edit in HEALTHY for stem in ARMS),
     *((edit, stem) for edit in FOLLOWING for stem in FOLLOWERS),
 ]
-
-
 OPTIONS = Options(ignore=("RD901",))
 """Without what single programs make of it."""
 
