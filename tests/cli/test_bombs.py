@@ -45,7 +45,7 @@ def refused_within_bounds(outcome: Bounded, name: str) -> None:
     assert outcome.memory < MOST, f"{outcome.memory >> 20} MB: {outcome.err}"
 
 
-@pytest.mark.parametrize("name", sampled(TABLES, 4))
+@pytest.mark.parametrize("name", sampled(TABLES, 6))
 def test_tables(name: str, bounded: Command) -> None:
     write_bomb(Path(name))
     refused_within_bounds(bounded("torques", "arm.urdf", name, limits=FEWER if name in COUNTED else ""), name)
@@ -58,7 +58,7 @@ def test_tables_beyond_the_usual_limits(name: str, bounded: Command) -> None:
     refused_within_bounds(bounded("torques", "arm.urdf", name), name)
 
 
-@pytest.mark.parametrize(("name", "use"), sampled(OFTEN, 3))
+@pytest.mark.parametrize(("name", "use"), sampled(OFTEN, 5))
 def test_scenes_and_settings(name: str, use: str, bounded: Command) -> None:
     Path("robodyn.toml" if use == "settings" else "x.toml").write_bytes(TOML[name])
     if use == "settings":

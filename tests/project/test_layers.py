@@ -103,8 +103,13 @@ def _statements(tree, at_import=False):
 
 
 @cache
+def _tree(name):
+    return ast.parse(MODULES[name].read_text())
+
+
+@cache
 def _imports(name, at_import=False):
-    nodes = _statements(ast.parse(MODULES[name].read_text()), at_import)
+    nodes = _statements(_tree(name), at_import)
     return set(chain.from_iterable(_imported(node) for node in nodes if isinstance(node, (ast.Import, ast.ImportFrom))))
 
 
