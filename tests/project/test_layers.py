@@ -47,6 +47,7 @@ def _paths():
 
 
 MODULES = dict(_paths())
+_tree = cache(lambda name: ast.parse(MODULES[name].read_text()))
 FOLDERS = {name.rpartition(".")[0] for name in MODULES}
 
 
@@ -74,11 +75,8 @@ def test_every_folder_is_installed():
     assert listed == folders
 
 
-def test_every_module_has_its_layer():
+def test_every_module_has_its_layer_and_imports_go_one_way():
     assert {_area(name) for name in MODULES} - {None} == set(LAYER)
-
-
-def test_imports_go_one_way():
     backwards = [
         f"{name} imports {other}"
         for name in filter(_area, MODULES)
@@ -100,11 +98,6 @@ def _statements(tree, at_import=False):
         yield node
         for field in ("body", "orelse", "finalbody", "handlers", "cases"):
             waiting.extend(getattr(node, field, ()))
-
-
-@cache
-def _tree(name):
-    return ast.parse(MODULES[name].read_text())
 
 
 @cache

@@ -27,6 +27,7 @@ OTHERS = {
 }
 ROBOTS = ("go2", "g1_29dof_rev_1_0", "talos_full_v2", "anymal", "solo12")
 TWINS = Options(select=("RD404", "RD405"))
+TALOS = ("talos_full_v2", "arm_left_4_link")
 Edits = Iterator[tuple[Span, str]]
 
 
@@ -166,11 +167,7 @@ def heavier(name: str, link: str, factor: float, tensor: bool) -> bytes:
 @pytest.mark.parametrize(("factor", "unit"), [(2.20462, "it is in pounds"), (1000.0, "it is in grams")])
 @pytest.mark.parametrize("tensor", [False, True])
 @pytest.mark.parametrize(
-    ("name", "link"),
-    [
-        *(("go2", "FL_calf"), ("solo12", "HR_UPPER_LEG")),
-        pytest.param("talos_full_v2", "arm_left_4_link", marks=pytest.mark.slow),
-    ],
+    ("name", "link"), [("go2", "FL_calf"), ("solo12", "HR_UPPER_LEG"), pytest.param(*TALOS, marks=pytest.mark.slow)]
 )
 def test_a_mass_in_another_unit_is_named_at_the_one_that_has_it(
     name: str, link: str, tensor: bool, factor: float, unit: str
