@@ -68,7 +68,7 @@ def test_exact_logs_give_exact_base_parameters(name, tmp_path):
     robot = ROBOTS / f"{name}.urdf"
     names = robodyn.load(robot).rates
     scene = Scene(friction=friction(robodyn.load(robot), 0.5, 0.8, -0.6), rotor={each: Rotor(0.03) for each in names})
-    model, _, _ = logged(tmp_path / "log.csv", robot, waves, scene, np.random.default_rng(1), time=TIME[:400])
+    model, _, _ = logged(tmp_path / "log.csv", robot, waves, scene, np.random.default_rng(1), time=TIME[:1000])
     found = identify([read_log(str(tmp_path / "log.csv"), model)])
     assert off_truth(found, scene) < 1e-10
 
