@@ -166,6 +166,9 @@ def use_bars(result: Result | Simulation) -> list[Block]:
         for share, what in shares:
             colour = "bad" if share > 100.0 else "doubtful" if share > 80.0 else "good"
             bars.append((f"{percent(share)} % of {what}", 0.0, min(share, 100.0), colour))
+        if any(each.joint == load.name and each.quantity == "position" for each in result.exceeded):
+            shares.append((101.0, "position"))
+            bars.append(("beyond a position limit", 0.0, 100.0, "bad"))
         if bars:
             rows.append((max(shares)[0], load.name, bars, ""))
     ordered = [row[1:] for row in ranked(rows, key=lambda row: row[0])]

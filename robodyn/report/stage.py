@@ -167,7 +167,8 @@ def pose(model: Model, q: Sequence[float], arrows: Iterable[dict[str, Any]] = ()
             turns, far = joint.kind == "revolute", pi if joint.kind == "revolute" else model.reach or 1.0
             low, high = (-far if joint.lower is None else joint.lower), (far if joint.upper is None else joint.upper)
             each = {"name": printable(joint.name), "q": joint.coordinate, "unit": "rad" if turns else "m"}
-            sliders.append(each | {"lower": low, "upper": high, "value": float(q[joint.coordinate])})
+            value = float(q[joint.coordinate])  # which may be beyond a limit
+            sliders.append(each | {"lower": min(low, value), "upper": max(high, value), "value": value})
     still = {"name": "", "time": None, "rows": None, "q": [], "rest": [float(x) for x in q], "use": []}
     return still | {"sliders": sliders, "arrows": [*arrows]}
 

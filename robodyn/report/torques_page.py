@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import product
+from math import inf
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -77,7 +78,8 @@ def motion_of(course: Course, result: Result, model: Model, scene: Scene) -> dic
 
 
 def _use(course: Course, load: JointLoad, joint: Joint, scene: Scene) -> Floats | None:
-    """Return (F,) the largest share that a joint uses of its limits of effort and speed, and those of its motor."""
+    """Return (F,) the largest share that a joint uses of its limits of effort and speed, and those of its motor; above
+    1 also beyond a position limit."""
     shares = [
         np.abs(course.frames[f"{key}_{load.name}"]) / limit
         for key, limit in (("tau", load.effort_limit), ("qd", load.velocity_limit))
@@ -90,6 +92,10 @@ def _use(course: Course, load: JointLoad, joint: Joint, scene: Scene) -> Floats 
             shares.append(np.nan_to_num(torque / allowed(motor.peak, speed), nan=0.0, posinf=10.0))
         if motor.max_speed:
             shares.append(speed / motor.max_speed)
+    if any(each.quantity == "position" for each in load.exceeded):
+        q, low, high = course.frames[f"q_{joint.name}"], load.lower, load.upper
+        over = (q < (-inf if low is None else low)) | (q > (inf if high is None else high))
+        shares.append(np.where(over, 1.01, 0.0))
     return np.max(shares, axis=0) if shares else None
 
 
@@ -117,6 +123,10 @@ def _charts(result: Result, model: Model, scene: Scene, history: History, course
     if shown and course.motion.per > 1:
         rows = f"{course.motion.per} rows"
         said.append(f"Drawn from the least and the greatest of every {rows}, so that no peak is lost.")
+    said.append(
+        "Point at a plot for values, drag to zoom, double-click for all; in focus it takes the keys: arrows, Page up and "
+        "down, Home, End, + and -, Escape."
+    )
     charts = [chart for k in shown for chart in _joint_charts(joints[k], course, size)]
     motors = dict(_motor_charts(result, model, scene, course))
     if len(shown) > 1:
@@ -330,7 +340,13 @@ def compared_page(results: Sequence[tuple[str, Result]], model: Model, scene: Sc
     verdicts = [(name, limits_verdict(result)) for name, result in results]
     worst = min((verdict.level for _, verdict in verdicts), key=levels.index)
     words = tuple(f"{printable(name)}: {verdict.headline}." for name, verdict in verdicts)
-    blocks: list[doc.Block] = [doc.Verdict(worst, f"{len(results)} runs of {printable(model.name)}", words)]
+    many = sum(verdict.level == "bad" for _, verdict in verdicts)
+    said = (
+        f"{many} of {len(results)} runs of {printable(model.name)} {'exceeds' if many == 1 else 'exceed'} limits"
+        if many
+        else ""
+    )
+    blocks: list[doc.Block] = [doc.Verdict(worst, said or f"{len(results)} runs of {printable(model.name)}", words)]
     courses = [Course(result.history.motion) for _, result in results if pictures and result.history is not None]
     if courses:
         size = result_sizes(results[0][1])

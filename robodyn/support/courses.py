@@ -33,6 +33,7 @@ class Courses:
         self.low, self.high = (np.empty((0, len(self.curves))) for _ in range(2))
         self.peaks: dict[str, tuple[int, Floats]] = {}
         self._largest = np.full(len(self.curves), -1.0)
+        self._last: Floats = np.empty(len(self.names))
 
     def update(self, columns: Sequence[Floats], curves: Sequence[Floats] | Floats) -> None:
         """Take in the next rows: each column, and each curve, of N values."""
@@ -47,6 +48,7 @@ class Courses:
             self.low[-1], self.high[-1] = np.minimum(self.low[-1], low[0]), np.maximum(self.high[-1], high[0])
             first, low, high = first[1:], low[1:], high[1:]
         self.rows += N
+        self._last = np.array([column[-1] for column in columns])
         self.first = np.concatenate((self.first, first))
         self.low, self.high = np.concatenate((self.low, low)), np.concatenate((self.high, high))
         while len(self.first) > self._most:
@@ -61,9 +63,9 @@ class Courses:
             self.peaks[self.curves[k]] = self.rows + row, np.array([column[row] for column in columns])
 
     def frames(self) -> tuple[Floats, Floats]:
-        """Return numbers (F,) from 0 and rows (F, columns) of every bucket's first row and the curves' peaks."""
+        """Return numbers (F,) from 0 and rows (F, columns) of every bucket's first row, the curves' peaks, the last."""
         numbers = np.arange(float(len(self.first))) * self.per
-        extra = [] if self.per == 1 else [*self.peaks.values()]
+        extra = [] if self.per == 1 else [*self.peaks.values(), (self.rows - 1, self._last)]
         numbers = np.concatenate((numbers, [number for number, _ in extra]))
         rows = np.concatenate((self.first, *(row[None] for _, row in extra)))
         numbers, kept = np.unique(numbers, return_index=True)

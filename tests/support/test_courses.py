@@ -40,7 +40,7 @@ def test_frames_have_the_rows_of_the_peaks():
     numbers, frames = gathered((np.arange(50_001.0), *values), values, (20_000,)).frames()
     np.testing.assert_array_equal(frames[:, 0], numbers)
     assert (np.diff(numbers) > 0).all()
-    assert {12_347, 40_001} <= set(numbers.tolist())
+    assert {0, 12_347, 40_001, 50_000} <= set(numbers.tolist())
     np.testing.assert_array_equal(frames[:, 1:], values.T[numbers.astype(int)])
 
 

@@ -76,6 +76,8 @@ requestAnimationFrame(() => setTimeout(() => {
     const data = [banded ? zigzag(x, x) : x, ...look.series.map(({ y, high }) => clean(banded ? zigzag(arrays[y], arrays[high ?? y]) : arrays[y]))];
     const self = { resize: (size) => u.setSize(size ?? room()) };
     const room = () => ({ width: Math.max(host.clientWidth, 200), height: look.height ?? 210 });
+    // The sample nearest to a time, or the bucket of rows that holds it; times are rounded to 2^-32 of their range.
+    const holding = (t) => banded ? 2 * between(x, t + 1e-9 * (x[x.length - 1] - x[0]))[0] : nearest(x, t);
     const tell = (idx) => {
       const k = banded ? idx >> 1 : idx, rows = look.rows === null ? null : arrays[look.rows];
       const last = rows && banded && k + 1 < rows.length ? rows[k + 1] - 1 : null;
@@ -116,10 +118,10 @@ requestAnimationFrame(() => setTimeout(() => {
     }, data, host);
     self.show = (t) => {
       u.setCursor({ left: Math.min(Math.max(u.valToPos(t, "x"), 0), u.over.clientWidth), top: 0 });
-      tell(nearest(data[0], t));
+      tell(holding(t));
     };
     u.over.addEventListener("mousemove", (event) => {
-      const idx = u.posToIdx(event.clientX - u.over.getBoundingClientRect().left);
+      const idx = holding(u.posToVal(event.clientX - u.over.getBoundingClientRect().left, "x"));
       tell(idx);
       setTime(data[0][idx], self);
     });
@@ -128,7 +130,7 @@ requestAnimationFrame(() => setTimeout(() => {
       const [first, last] = [data[0][0], data[0].at(-1)], { min, max } = u.scales.x, step = banded ? 2 : 1, end = data[0].length;
       const steps = { ArrowLeft: -step, ArrowRight: step, PageUp: -50, PageDown: 50, Home: -end, End: end }, parts = { "+": 0.5, "-": 2, Escape: Infinity };
       if (event.key in steps) {
-        const at = nearest(data[0], shared.time ?? first) + steps[event.key];
+        const at = holding(shared.time ?? first) + steps[event.key];
         setTime(data[0][Math.min(Math.max(at, 0), end - 1)]);
       } else if (event.key in parts) {
         const half = parts[event.key] * (max - min) / 2, middle = Math.min(Math.max(shared.time ?? (min + max) / 2, min), max);

@@ -284,13 +284,17 @@ function makeViewer(figure, stage, arrays, rgb, onTime) {
       if (state.layers.centres) robot.bodies.forEach((body, k) => {
         if (body.mass) draw(along(moved(all[k], body.centre), [0, 0, 1], radius, radius), ball, rgb(robot.colour ?? "c3"));
       });
-      for (const arrow of arrows) {
+      // Arrows shine through what hides them: faintly on top of all, then as they stand.
+      for (const through of [true, false]) for (const arrow of arrows) {
         if (!state.layers[arrow.kind] || arrow.length < 1e-4 * reach.size) continue;
+        gl[through ? "disable" : "enable"](gl.DEPTH_TEST);
         const colour = rgb(stage.kinds[arrow.kind].colour), tip = Math.min(4 * thin, 0.5 * arrow.length), unit = times(arrow.vector, 1 / size(arrow.vector));
         const tips = arrow.moment ? [tip, Math.min(1.8 * tip, arrow.length)] : [tip]; // of moments two, by the right-hand rule
-        draw(along(arrow.from, unit, thin * 0.6, arrow.length - tip), shaft, colour);
-        for (const before of tips) draw(along(add(arrow.from, times(unit, arrow.length - before)), unit, 0.5 * tip, tip), head, colour);
+        const alpha = through ? 0.35 : 1;
+        draw(along(arrow.from, unit, thin * 0.6, arrow.length - tip), shaft, colour, alpha);
+        for (const before of tips) draw(along(add(arrow.from, times(unit, arrow.length - before)), unit, 0.5 * tip, tip), head, colour, alpha);
       }
+      gl.enable(gl.DEPTH_TEST);
     }
     const marks = stage.marks.filter(({ what }) => state.layers[what]), drawMarks = (wanted) => marks.filter(wanted).forEach(
       ({ colour, alpha, pieces }) => pieces.forEach(([at, vector, wide]) => draw(along(at, vector, wide, size(vector)), disc, rgb(colour), alpha)));
@@ -358,6 +362,7 @@ function makeViewer(figure, stage, arrays, rgb, onTime) {
     }
     return Object.values(parts);
   }
+  const summed = (robot) => motionOf(robot).arrows.some(({ kind }) => kind === "reaction" || kind === "base");
   function tell() {
     const panel = $("panel");
     panel.replaceChildren();
@@ -374,8 +379,9 @@ function makeViewer(figure, stage, arrays, rgb, onTime) {
     const most = [1, 4].map((i) => Math.max(...rows.flatMap((row) => row.slice(i, i + 3).map(Math.abs))));
     const numbers = ([what, ...values]) => [what, ...values.map((value, i) => number(value, most[i < 3 ? 0 : 1]))];
     panel.append(element("table", {},
-      element("thead", {}, line("th", "col", ["in its axes", "fx [N]", "fy", "fz", "mx [N m]", "my", "mz"])),
-      element("tbody", {}, ...[...rows, sum].map((row) => line("td", "row", numbers(row))))));
+      element("thead", {}, line("th", "col", ["in its axes, about its origin", "fx [N]", "fy", "fz", "mx [N m]", "my", "mz"])),
+      element("tbody", {}, ...[...rows, ...(summed(robot) ? [sum] : [])].map((row) => line("td", "row", numbers(row))))));
+    if (!summed(robot)) panel.append(element("p", {}, "What joints bear is not among these: robodyn torques computes it."));
   }
   const nameOf = (robot, body) => robots.length > 1 && robot.name !== body.name ? `${robot.name}: ${body.name}` : body.name;
   function choose(what) {
@@ -392,7 +398,7 @@ function makeViewer(figure, stage, arrays, rgb, onTime) {
   const clockWords = () => {
     const motion = motionOf(robots[0]);
     if (motion.time === null) return "";
-    const number = motion.rows === null ? "" : `, row ${Math.round(arrays[motion.rows][nearest(arrays[motion.time], state.time)])}`;
+    const number = motion.rows === null ? "" : `, row ${Math.round(sample(arrays[motion.rows], between(arrays[motion.time], state.time)))}`;
     return `${Number(state.time.toPrecision(7))} s${number}`;
   };
   function setTime(t, told = false) {
@@ -444,7 +450,8 @@ function makeViewer(figure, stage, arrays, rgb, onTime) {
     $("layers").append(element("label", {}, box, ...(colour ? [dot] : []), ` ${what}`));
   }
   robots.forEach((robot, r) => robot.bodies.forEach((body, k) => {
-    $("links").append(new Option(nameOf(robot, body), `${r},${k}`));
+    const empty = !body.mass && !body.meshes.length, named = robot.bodies.filter(({ name }) => name === body.name);
+    if (!empty || named.length < 2) $("links").append(new Option(nameOf(robot, body), `${r},${k}`)); // a planar joint has three
   }));
   $("links").addEventListener("change", (event) => choose(event.target.value ? event.target.value.split(",").map(Number) : null));
   const names = robots[0].motions.map((motion) => motion.name);
