@@ -124,8 +124,8 @@ def _charts(result: Result, model: Model, scene: Scene, history: History, course
         rows = f"{course.motion.per} rows"
         said.append(f"Drawn from the least and the greatest of every {rows}, so that no peak is lost.")
     said.append(
-        "Point at a plot for values, drag to zoom, double-click for all; in focus it takes the keys: arrows, Page up and "
-        "down, Home, End, + and -, Escape."
+        "Point at a plot for values, drag to zoom, double-click for all; in focus it takes the keys: arrows, Page up "
+        "and down, Home, End, + and -, Escape."
     )
     charts = [chart for k in shown for chart in _joint_charts(joints[k], course, size)]
     motors = dict(_motor_charts(result, model, scene, course))
