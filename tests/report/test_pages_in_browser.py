@@ -257,6 +257,12 @@ def test_a_peak_of_one_row_in_a_hundred_thousand_stays(opened, tmp_path: Path) -
     assert zoomed[0] == whole[0] <= zoomed[1]
     assert zoomed[2] == pytest.approx(0.1 * whole[2], rel=0.1)
     assert chart(page, "shoulder: torque").evaluate(most)[2] == pytest.approx(zoomed[2]), "charts zoom together"
+    page.evaluate("robodyn.setTime(732.1)")
+    first, last = re.search(r"row (\d+) to (\d+)", elbow.locator(".readout").inner_text()).groups()
+    assert int(first) <= 73_211 <= int(last)
+    assert page.locator(CLOCK).inner_text() == "732.1 s, row 73211"
+    page.evaluate("robodyn.setTime(1e9)")
+    assert page.locator(CLOCK).inner_text() == "999.99 s, row 100000"
 
 
 @pytest.mark.slow
