@@ -10,8 +10,8 @@ from robodyn.cli.files import robot_source
 from robodyn.cli.options import DESCRIPTION, PATH, SCENE_OUT, Call, option, takes
 from robodyn.cli.screen import show, show_file
 from robodyn.errors import InputError
-from robodyn.report.scene_toml import scene_toml
 from robodyn.robot.load import load
+from robodyn.scene.template import scene_toml
 from robodyn.support.files import write_whole
 
 

@@ -39,7 +39,7 @@ def command(call: Call, urdf: str, trajectory: str | None) -> None:
     need("HTML reports", "jinja2", "uplot-python")
     expect(ROBOT, urdf)
     model, scene = robot_in_scene(call, urdf, loops=True, contacts=True)
-    from robodyn.report.view import view_page
+    from robodyn.report.torques_page import view_page
 
     if trajectory is None:
         document = view_page(model, None, scene, call.at)

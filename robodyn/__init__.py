@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from robodyn.identification.identify import identify as identify
     from robodyn.identification.log.log import read_log as read_log
     from robodyn.loads.torques import torques as torques
-    from robodyn.report.view import view as view
+    from robodyn.report.torques_page import view as view
     from robodyn.robot.load import load as load
     from robodyn.robot.model import Model as Model
     from robodyn.scene.fit import scene_of as scene_of
@@ -98,7 +98,7 @@ _HOMES = {
     "identification.identify": ("identify",),
     "identification.log.log": ("read_log",),
     "loads.torques": ("torques",),
-    "report.view": ("view",),
+    "report.torques_page": ("view",),
     "robot.load": ("load",),
     "robot.model": ("Model",),
     "scene.fit": ("scene_of",),

@@ -12,10 +12,10 @@ from helpers.sampled import sampled
 
 import robodyn
 from robodyn.errors import SceneError
-from robodyn.report.scene_toml import scene_toml
 from robodyn.robot.model import Model
 from robodyn.scene.fit import check_scene
 from robodyn.scene.read import parse_scene
+from robodyn.scene.template import scene_toml
 
 OURS = [*(path.stem for path in sorted(ROBOTS.glob("*.urdf")))]
 ODD = """<robot name="an &quot;odd&quot;&#10;name"><link name="a.b"/><link name="&#233; &#9;"/><link name="tip"/>

@@ -19,7 +19,7 @@ from helpers.html_pages import Page
 
 import robodyn
 from robodyn.programs.vectors import product
-from robodyn.report.view import view_page
+from robodyn.report.torques_page import view_page
 from robodyn.robot.kinematics import body_poses
 from robodyn.scene.scene import GROUND
 

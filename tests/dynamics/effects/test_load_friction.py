@@ -16,9 +16,9 @@ from robodyn.dynamics.momenta import energy, laws, losses
 from robodyn.dynamics.plan import plan, runner_of
 from robodyn.equations.free_body.bodies import free_bodies
 from robodyn.errors import InputError, SceneError
-from robodyn.report.scene_toml import scene_toml
 from robodyn.scene.read import parse_scene
 from robodyn.scene.scene import CoupledMotor, Friction, Scene
+from robodyn.scene.template import scene_toml
 from robodyn.trajectory.read import motion
 
 SAMPLES = 10
