@@ -125,8 +125,10 @@ def exceeded_words(excess: Excess) -> str:
     if excess.quantity == "position":
         side = "below its lower" if value < limit else "above its upper"
         return f"{name} goes to {value:.6g} {unit}, {side} limit of {limit:.6g} {unit}."
-    beyond = "" if excess.seconds is None else f"; it is beyond the limit for {excess.seconds:.3g} s"
-    share = f"{100 * value / limit:.0f} % of its limit of {limit:g} {unit}{beyond}."
+    beyond = "" if not excess.seconds else f"; it is beyond the limit for {excess.seconds:.3g} s"
+    over = f"{100 * value / limit:.0f}"
+    over = f"{100 * value / limit:.6g}" if over == "100" else over
+    share = f"{over} % of its limit of {limit:g} {unit}{beyond}."
     if excess.quantity == "velocity":
         return f"{name} moves at {number(value)} {unit}, {share}"
     what = "force" if unit == "N" else "torque"
