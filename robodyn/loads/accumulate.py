@@ -174,10 +174,8 @@ class TorqueAccumulator:
             feet = [f"on_{each.name}" for each in constraints.scene.contacts] if constraints else []
             states = [f"q_{name}" for name in model.coordinates]
             states += [f"{what}_{name}" for what in ("qd", "qdd") for name in model.rates]
-            driven = model.rates[self.rates]
-            curves = [f"{what}_{name}" for what in ("tau", "qd", "power") for name in driven] + self.names[model.n :][
-                :6
-            ]
+            curves = [f"{what}_{name}" for what in ("tau", "qd", "power") for name in model.rates[self.rates]]
+            curves += self.names[model.n : model.n + 6]
             motion = Courses(("time", *states, *self.names, *scene.columns, *feet), curves)
             self.courses = motion, Courses(("time",), ("work done", "energy stored"))
         self.momenta = Extremes(NAMES)
@@ -204,8 +202,8 @@ class TorqueAccumulator:
         self.sources = whole if self.zero_columns is None else self.sources & whole
         self.zero_columns = found if self.zero_columns is None else self.zero_columns & found
         self.whole = max(self.whole, self.statistics.integrals.samples + left)
-        n, all_joints = self.model.n, self.sizing is not None or self.courses is not None
-        reactions = self.options.reactions or all_joints
+        n = self.model.n
+        reactions = self.options.reactions or self.sizing is not None or self.courses is not None
         runner = _loads(plan(self.model, self.scene, self.zero_columns), reactions)
         loads, self.choice = self._run(runner, sources, self.whole)
         check_loads(loads, self.names, block.first_row, self.file)

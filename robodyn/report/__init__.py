@@ -1,1 +1,1 @@
-"""Results as text, JSON, HTML, Markdown, SARIF, JUnit, GitHub annotations, LaTeX; pictures/."""
+"""Results as text, JSON, HTML, Markdown, SARIF, JUnit, GitHub annotations, LaTeX; what pages draw."""

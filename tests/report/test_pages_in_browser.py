@@ -170,6 +170,21 @@ def test_links_are_where_kinematics_say(written, opened, name: str) -> None:
 
 
 @pytest.mark.slow
+def test_a_base_turns_the_shorter_way_where_quaternions_change_sign(opened, tmp_path: Path) -> None:
+    """Rows 20 degrees apart about z, every second with the opposite sign: midway the base is turned by the mean."""
+    model = robodyn.load(ROBOTS / "rigid_body.urdf", moving_base=True)
+    angles = np.radians(20.0 * np.arange(6))
+    q = np.zeros((6, 7))
+    q[:, 3:] = Rotation.from_rotvec(angles[:, None] * (0.0, 0.0, 1.0)).as_quat() * (-1.0) ** np.arange(6)[:, None]
+    still = np.zeros((6, 6))
+    page = tmp_path / "turn.html"
+    page.write_text(robodyn.view(model, robodyn.motion(model, np.arange(6.0), q, still, still)).html)
+    found = opened(page).evaluate("(robodyn.setTime(2.5), Object.values(robodyn.stages[0].poses()[0])[0])")
+    expected = Rotation.from_rotvec((0.0, 0.0, np.radians(50.0))).as_matrix()
+    np.testing.assert_allclose(np.reshape(found, (4, 4)).T[:3, :3], expected, atol=1e-6)
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["motors", "floating", "loop", "feet"])
 def test_arrows_are_as_long_as_the_numbers(written, opened, name: str) -> None:
     """Every joint's peak at its time, and the forces of the base then."""

@@ -51,6 +51,7 @@ function makeViewer(figure, stage, arrays, rgb, onTime) {
     return times.length ? [Math.min(...times.map((t) => t[0])), Math.max(...times.map((t) => t.at(-1)))] : [0, 0];
   };
   const sample = (values, [low, high, part]) => values[low] + part * (values[high] - values[low]);
+  const valueOf = (entry, at) => typeof entry === "object" ? entry[0] : sample(arrays[entry], at); // of all rows, or one that stays
 
   function configuration(robot) {
     const motion = motionOf(robot);
@@ -62,7 +63,13 @@ function makeViewer(figure, stage, arrays, rgb, onTime) {
       return q;
     }
     const at = between(arrays[motion.time], state.time);
-    return motion.q.map((ref) => typeof ref === "number" ? sample(arrays[ref], at) : ref[0]);
+    const q = motion.q.map((entry) => valueOf(entry, at));
+    for (const { kind, q: k } of robot.bodies) { // q and -q are one rotation: between them the shorter way
+      if (kind !== "floating") continue;
+      const [one, other] = [at[0], at[1]].map((row) => motion.q.slice(k + 3, k + 7).map((entry) => valueOf(entry, [row, row, 0])));
+      if (one.reduce((sum, x, i) => sum + x * other[i], 0) < 0) one.forEach((x, i) => { q[k + 3 + i] = x - at[2] * (other[i] + x); });
+    }
+    return q;
   }
 
   // As `joint_motion`: where each joint puts its body.
@@ -166,7 +173,7 @@ function makeViewer(figure, stage, arrays, rgb, onTime) {
   let eye = { ...home, target: [...home.target] };
 
   // How long arrows are: the longest force, and moment, of the whole motion is a quarter of the robot.
-  const valueOf = (entry, at) => typeof entry === "object" ? entry[0] : sample(arrays[entry], at), unitOf = ({ moment }) => moment ? "N m" : "N";
+  const unitOf = ({ moment }) => moment ? "N m" : "N";
   const scales = {};
   function rescale() {
     const most = {};
