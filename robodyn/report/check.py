@@ -231,10 +231,7 @@ def _drawn(checked: Checked, file: str, model: Model) -> Iterator[doc.Block]:
     named = {"bad": "errors in red", "doubtful": "warnings in yellow-brown"}
     marked = [f"links with {each}" for level, each in named.items() if level in lit.values()]
     alt = "; ".join(f"{name}: {words[name]}" for name in lit)
-    shapes = [stage.shapes_of_bodies(model)[0]]
-    yield stage.stage(
-        f"{model.name}: {', '.join(marked) or 'no link with errors or warnings'}", [shown], shapes, alt=alt
-    )
+    yield stage.stage(f"{model.name}: {', '.join(marked) or 'no link with errors or warnings'}", [shown], alt=alt)
 
 
 def _item(finding: Finding) -> tuple[doc.Level, str, tuple[tuple[str, bool], ...]]:

@@ -102,12 +102,10 @@ def _overlay(found: Comparison) -> Iterator[doc.Block]:
     words = [{name: "; ".join(lines) for name, lines in each.items()} for each in said]
     mine = stage.robot(found.a, motions[0], name="A", lit=lit[0], words=words[0])
     theirs = stage.robot(found.b, motions[1], name="B", lit=lit[1], words=words[1], colour="c1", alpha=0.45)
-    shapes = [stage.shapes_of_bodies(each) for each in robots]
     what = "links guilty of the torques" if guilty else "links that differ"
     caption = f"A, grey, and B, blue and seen through, laid over each other{f'; {what} in red' if any(lit) else ''}"
     alt = "; ".join(f"{name}: {said}" for name, said in words[0].items() if name in lit[0])
-    yield stage.stage(caption, [mine, theirs], [each for each, _ in shapes], alt=alt)
-    yield from doc.paragraphs(dict.fromkeys(why for _, why in shapes if why))
+    yield stage.stage(caption, [mine, theirs], alt=alt)
 
 
 def _bars(found: Comparison) -> list[doc.Block]:

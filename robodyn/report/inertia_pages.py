@@ -248,15 +248,13 @@ def _robot(
     from robodyn.robot.load import assemble
 
     model = assemble(description)
-    shapes, why = stage.shapes_of_bodies(model)
     still = stage.pose(model, configuration(model, at).tolist()) | ({"sliders": []} if whole else {})
     inertias = {body.name: np.asarray(body.inertia.about_centre, dtype=float) for body in model.bodies}
     said = {name: f"principal moments {_moments(np.linalg.eigvalsh(inertia))}" for name, inertia in inertias.items()}
     colours = dict.fromkeys((model.bodies[model.links[link].body].name for link in lit), "doubtful")
     shown = stage.robot(model, [still], words=said, lit=colours)
     marks = _axes([(whole, model.reach)]) if whole else []
-    yield stage.stage(caption, [shown], [shapes], ellipsoids=True, through=bool(whole), marks=marks)
-    yield from doc.paragraphs([why] if why else [])
+    yield stage.stage(caption, [shown], marks, ellipsoids=True, through=bool(whole))
 
 
 def _link(description: Description, found: LinkInertia | LinkShapes, pictures: bool, kind: Kind) -> list[doc.Block]:
@@ -276,7 +274,7 @@ def _solids(
     from robodyn.report.charts import COLOURS
 
     robots, bodies = list[dict[str, Any]](), list[tuple[MassProperties, float]]()
-    drawn, discs, said = list[dict[int, Array]](), list[tuple[Array, Array, float]](), list[str]()
+    discs, said = list[tuple[Array, Array, float]](), list[str]()
     side, poses = 0.0, whole.poses if whole else [(np.eye(3), np.zeros(3))] * len(solids)
     for solid, triangles, (R, at) in zip(solids, shapes, poses, strict=True):
         if triangles is None:
@@ -291,8 +289,7 @@ def _solids(
         moments = f"principal moments {_moments(body.principal.moments)}"
         said.append(f"{name}: {number(body.mass)} kg, centre of mass {point_text(body.com, reach)} m, {moments}")
         colour = COLOURS[len(robots) % len(COLOURS)] if whole else None
-        robots.append(stage.solid(name, body.mass, body.com, body.inertia, (R, p), words=moments, colour=colour))
-        drawn.append({0: triangles})
+        robots.append(stage.solid(name, body, triangles, (R, p), words=moments, colour=colour))
         bodies.append((body.placed(R, p), reach))
         symmetry = solid.symmetry if isinstance(solid, Part) and not whole else None
         for plane in symmetry.planes if symmetry else ():
@@ -309,7 +306,7 @@ def _solids(
     )
     caption = f"Centre of mass{', principal axes and planes of symmetry' if discs else ' and principal axes'}"
     declared = not isinstance(solids[0], Part)
-    return [stage.stage(caption, robots, drawn, through=True, ellipsoids=declared, marks=marks, alt="; ".join(said))]
+    return [stage.stage(caption, robots, marks, through=True, ellipsoids=declared, alt="; ".join(said))]
 
 
 def _axes(bodies: Sequence[tuple[MassProperties, float]]) -> list[dict[str, Any]]:

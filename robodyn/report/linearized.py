@@ -82,7 +82,6 @@ def linearized_page(found: Linearized, pictures: bool = True) -> doc.Document:
     if pictures and modes:
         from robodyn.report import stage
 
-        shapes, why = stage.shapes_of_bodies(found.model)
         size = found.model.reach or 1.0
         shown = stage.robot(found.model, [_swing(found, k, size) for k in range(min(len(modes), _PICTURED))])
         words = (
@@ -90,8 +89,12 @@ def linearized_page(found: Linearized, pictures: bool = True) -> doc.Document:
             "each plays in 5 s, and the clock is that of the mode"
         )
         some = [f"The slowest {_PICTURED} of {len(modes)} modes move."] if len(modes) > _PICTURED else []
-        blocks += [doc.Heading("Modes"), stage.stage(words, [shown], [shapes], loop=True)]
-        blocks += [*doc.paragraphs(filter(None, [*some, why])), _pole_map(found)]
+        blocks += [
+            doc.Heading("Modes"),
+            stage.stage(words, [shown], loop=True),
+            *doc.paragraphs(some),
+            _pole_map(found),
+        ]
     files, how = [("linear.json", linearized_json(found))], "robodyn linearize --format json prints it"
     what = "Linear equations near a state, and modes"
     *sections, _ = linearized_sections(found, _PRINTED)  # the last is the verdict

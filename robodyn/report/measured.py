@@ -163,12 +163,10 @@ def played(
     use = [(tau, limit) if tau is not None and limit else None for tau, limit in efforts]
     q = [columns[f"q_{name}"] for name in model.coordinates]
     along = stage.motion("", columns["time"], q, use=use, arrows=stage.joint_torques(model, columns, kind))
-    shapes, why = stage.shapes_of_bodies(model)
     caption += "; links in the colours of their joints' use of effort: green, red above 100 %" if any(use) else ""
     peaks = {name: np.abs(columns[f"{kind}_{name}"]).max() for name in model.rates if f"{kind}_{name}" in columns}
     alt = f"{caption}; the largest: {', '.join(f'{printable(name)} {number(peak)}' for name, peak in peaks.items())}"
-    yield stage.stage(caption, [stage.robot(model, [along], words=words)], [shapes], loop=loop, alt=alt)
-    yield from doc.paragraphs([why] if why else [])
+    yield stage.stage(caption, [stage.robot(model, [along], words=words)], alt=alt, loop=loop)
 
 
 def error_bars(caption: str, labels: Sequence[str], errors: Mapping[str, tuple[float, float]]) -> doc.Bars:

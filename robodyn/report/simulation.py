@@ -236,11 +236,9 @@ def _stage(result: Simulation, course: Course) -> Iterator[doc.Block]:
             ends = places[np.unique(np.linspace(0, len(places) - 1, 200).astype(int))]
             pieces = [(a, b - a, 0.004 * (model.reach or 1.0)) for a, b in pairwise(ends)]
             marks.append(stage.mark(f"path of {joint.name}", "c2", pieces))
-    shapes, why = stage.shapes_of_bodies(model)
     words = "The simulated motion"
     words += "; links are coloured by what their joints use of their limits, red above 100 %" if used else ""
-    yield stage.stage(words, [stage.robot(model, [motion])], [shapes], marks=marks)
-    yield from doc.paragraphs(filter(None, [why]))
+    yield stage.stage(words, [stage.robot(model, [motion])], marks)
 
 
 def simulation_json(result: Simulation) -> str:

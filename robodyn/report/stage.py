@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Iterable, Mapping, Sequence
+from functools import lru_cache
 from math import pi
 from typing import TYPE_CHECKING, Any
 
@@ -21,6 +22,7 @@ from robodyn.trajectory.columns.signals import COMPONENTS
 
 if TYPE_CHECKING:
     from robodyn.robot.urdf.parts import Description
+    from robodyn.solids.inertia.properties import MassProperties
 
 TRIANGLES = 80_000
 """Of all meshes of a page at most: corners closer than a cell of a grid become one, cells as fine as that allows."""
@@ -52,30 +54,24 @@ Entry = Floats | list[float]
 def stage(
     caption: str,
     robots: Sequence[dict[str, Any]],
-    shapes: Sequence[Mapping[int, Floats]],
     marks: Sequence[dict[str, Any]] = (),
     alt: str = "",
     **shown: bool,
 ) -> Stage:
-    """Return a view of robots, each of `robot` or `solid`; shapes: of each by body (m, 3, 3) triangles in its frame.
+    """Return a view of robots, each of `robot` or `solid`; skeletons, too, where shapes are missing, which is said.
 
     Args:
         marks: each of `mark`; alt: what is to be seen, in words.
-        shown: bars, from joint to joint also where there are meshes; ellipsoids, through: shown from the start; loop: a
-            motion is played again and again, in 5 s each.
+        shown: ellipsoids, through: shown from the start; loop: a motion is played again and again, in 5 s each.
     """
-    meshes, error = _meshes(
-        [
-            (body, part)
-            for robot, each in zip(robots, shapes, strict=True)
-            for body, part in ((robot["bodies"][k], part) for k, part in each.items())
-        ]
-    )
-    words = f"Meshes are drawn to within {1000.0 * error:.2g} mm. " if meshes else ""
-    words += "Drag to turn, shift and drag to move, click and wheel or pinch to zoom; click a link for its numbers."
+    shapes = [(robot["bodies"][k], part) for robot in robots for k, part in robot.pop("shapes").items()]
+    missing = [why for why in dict.fromkeys(robot.pop("missing") for robot in robots) if why]
+    meshes, error = _meshes(shapes)
+    drawn = [f"Meshes are drawn to within {1000.0 * error:.2g} mm."] if meshes else []
+    use = "Drag to turn, shift and drag to move, click and wheel or pinch to zoom; click a link for its numbers."
     names = ", ".join(printable(robot["name"]) for robot in robots)
-    look = {"robots": [*robots], "meshes": meshes, "kinds": KINDS, "marks": [*marks]}
-    return Stage(caption, f"In 3-D: {names}{alt and f'; {alt}'}", words, look | shown)
+    look = {"robots": [*robots], "meshes": meshes, "kinds": KINDS, "marks": [*marks], "bars": bool(missing)}
+    return Stage(caption, f"In 3-D: {names}{alt and f'; {alt}'}", " ".join([*drawn, use, *missing]), look | shown)
 
 
 def robot(
@@ -101,7 +97,9 @@ def robot(
     )
     for body in bodies:
         body |= {"lit": colours.get(body["name"], ""), "words": (words or {}).get(body["name"], "")}
-    return {"name": name or model.name, "bodies": bodies, "motions": [*motions], "colour": colour, "alpha": alpha}
+    shapes, missing = shapes_of_bodies(model)
+    found = {"name": name or model.name, "bodies": bodies, "motions": [*motions], "colour": colour, "alpha": alpha}
+    return found | {"shapes": shapes, "missing": missing}
 
 
 def _body(body: Body) -> dict[str, Any]:
@@ -123,13 +121,14 @@ def _spread(mass: float, centre: Any, about_centre: Any) -> dict[str, Any]:
     return found
 
 
-def solid(name: str, mass: float, centre: Any, about_centre: Any, place: Any = None, **look: Any) -> dict[str, Any]:
+def solid(name: str, body: MassProperties, triangles: Floats, place: Any, **look: Any) -> dict[str, Any]:
     """Return a body that stands at a place, a rotation and an origin, as a robot; `look` as that of `robot`."""
-    R, p = place or (np.eye(3), np.zeros(3))
+    R, p = place
     fixed = {"name": name, "parent": -1, "joint": "", "kind": "fixed", "lit": "", "words": look.pop("words", "")}
     fixed |= {"R": np.asarray(R, dtype=float).ravel().tolist(), "p": [float(x) for x in p], "meshes": []}
-    body = fixed | _spread(mass, centre, about_centre)
-    return {"name": name, "bodies": [body], "motions": [_STILL], "colour": None, "alpha": 1.0} | look
+    bodies = [fixed | _spread(body.mass, body.com, body.inertia)]
+    found = {"name": name, "bodies": bodies, "motions": [_STILL], "colour": None, "alpha": 1.0}
+    return found | {"shapes": {0: triangles}, "missing": ""} | look
 
 
 def mark(
@@ -310,6 +309,7 @@ def _primitive(kind: str, size: Sequence[float]) -> Floats:
     return np.asarray(scale * np.stack((np.stack((a, b, d), axis=2), np.stack((a, d, c), axis=2))).reshape(-1, 3, 3))
 
 
+@lru_cache(maxsize=1)
 def shapes_of_bodies(model: Model) -> tuple[dict[int, Floats], str]:
     """Return by body its visual shapes in its frame, else its collision shapes, and what is missing."""
     if model.description is None:
@@ -328,13 +328,17 @@ def shapes_of_bodies(model: Model) -> tuple[dict[int, Floats], str]:
     return {body: np.concatenate(parts) for body, parts in found.items()}, why
 
 
-def _meshes(parts: Sequence[tuple[dict[str, Any], Floats]]) -> tuple[list[dict[str, Any]], float]:
+def _meshes(shapes: Sequence[tuple[dict[str, Any], Floats]]) -> tuple[list[dict[str, Any]], float]:
     """Return meshes with corners on a grid, whose numbers the bodies get, and how far a corner moves at most [m].
 
     Vertex clustering (Rossignac and Borrel 1993): corners of one cell become their mean, and triangles with two corners
     in one cell go.
     """
-    parts = [(body, triangles.reshape(-1, 3)) for body, triangles in parts if len(triangles)]
+    alike: dict[int, tuple[list[dict[str, Any]], Floats]] = {}  # bodies of robots that stand beside each other
+    for body, triangles in shapes:
+        if len(triangles):
+            alike.setdefault(id(triangles), ([], triangles.reshape(-1, 3)))[0].append(body)
+    parts = [*alike.values()]
     many = sum(len(corners) for _, corners in parts) // 3
     cell = max((float(np.ptp(corners, axis=0).max()) for _, corners in parts), default=1.0)
     cell = cell / (_FINEST if many <= 2 * TRIANGLES else 400) or 1e-3
@@ -347,12 +351,13 @@ def _meshes(parts: Sequence[tuple[dict[str, Any], Floats]]) -> tuple[list[dict[s
         cell *= max(1.15, min((many / TRIANGLES) ** 0.5, 8.0))
     meshes: list[dict[str, Any]] = []
     error = 0.0
-    for (body, corners), (numbers, means, faces) in zip(parts, found, strict=True):
+    for (bodies, corners), (numbers, means, faces) in zip(parts, found, strict=True):
         low = means.min(axis=0)
         step = float((means - low).max()) / 0xFFFF or 1e-9
         grid = np.rint((means - low) / step)
         error = max(error, float(np.linalg.norm(low + step * grid[numbers] - corners, axis=1).max()))
-        body["meshes"] = [*body["meshes"], len(meshes)]
+        for body in bodies:
+            body["meshes"].append(len(meshes))
         kind = np.uint16 if len(grid) <= 0x10000 else np.uint32
         texts = (base64.b64encode(each.tobytes()).decode() for each in (grid.astype(np.uint16), faces.astype(kind)))
         meshes.append(dict(zip(("low", "step", "corners", "indices"), (low.tolist(), step, *texts), strict=True)))

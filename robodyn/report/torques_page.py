@@ -58,13 +58,12 @@ def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = Tr
     head, rows = load_table(result)
     files = [("result.json", torques_json(result)), ("joints.csv", doc.csv_text(head, rows))]
     if pictures and result.history is not None:
-        shapes, why = stage.shapes_of_bodies(model)
         words = (
             "The robot along the motion; links are coloured by what their joints use of their limits, red above 100 %"
         )
         course = Course(result.history.motion)
         shown = stage.robot(model, [motion_of(course, result, model, scene)])
-        blocks += [stage.stage(words, [shown], [shapes], bars=bool(why)), *doc.paragraphs([why] if why else [])]
+        blocks.append(stage.stage(words, [shown]))
     blocks += use_bars(result)
     if pictures and result.history is not None:
         blocks += _charts(result, model, scene, result.history, course)
@@ -361,7 +360,6 @@ def compared_page(results: Sequence[tuple[str, Result]], model: Model, scene: Sc
     courses = [Course(result.history.motion) for _, result in results if pictures and result.history is not None]
     if courses:
         size = result_sizes(results[0][1])
-        shapes, why = stage.shapes_of_bodies(model)
         robots = [
             stage.robot(
                 model,
@@ -372,10 +370,7 @@ def compared_page(results: Sequence[tuple[str, Result]], model: Model, scene: Sc
             )
             for k, ((name, result), course) in enumerate(zip(results, courses, strict=True), start=1)
         ]
-        blocks += [
-            stage.stage("The runs over each other", robots, [shapes] * len(robots)),
-            *doc.paragraphs([why] if why else []),
-        ]
+        blocks.append(stage.stage("The runs over each other", robots))
         time = np.unique(np.concatenate([course.frames["time"] for course in courses]))
         charts = []
         for joint in results[0][1].joints:
@@ -441,11 +436,9 @@ def view_page(model: Model, motion: Motion | None, scene: Scene, at: Values | No
         names = first_names([loop.name for loop in scene.loops], 4)
         said.append(f"Loops: {names}, {begin}. Sliders move the joints of the tree one by one, and open loops.")
     said += beyond_limits(model, q)
-    shapes, why = stage.shapes_of_bodies(model)
     robot = stage.robot(model, [stage.pose(model, q.tolist(), stage.weights(model, scene))])
     words = "The robot, whose joints are moved below"
-    blocks: list[doc.Block] = [stage.stage(words, [robot], [shapes], bars=bool(why))]
-    blocks += doc.paragraphs(filter(None, [*said, why]))
+    blocks: list[doc.Block] = [stage.stage(words, [robot]), *doc.paragraphs(said)]
     if model.description is not None:
         blocks.append(tree_table(list(branches(model.description)), "Links, and the joints that carry them"))
     what = f"{count(model.n, 'degree')} of freedom, {count(len(model.bodies), 'body', 'bodies')}"
