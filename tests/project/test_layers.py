@@ -22,7 +22,7 @@ ORDER = [
     ("scene",),
     ("dynamics", "trajectory"),
     ("equations", "identification", "loads", "simulation"),
-    ("comparison",),
+    ("comparison", "sizing"),
     ("checks", "measure"),
     ("report",),
     ("cli",),
