@@ -49,9 +49,9 @@ def command(
     scene_out: str | None,
     init: bool,
 ) -> int:
-    """Choose for each joint the motor, gear and ratio of a catalogue that suffice along all motions: peak and RMS torque
-    against their curves, speeds, peak and cubic mean of the gear. Motors load the joints before them: chosen from the
-    tips to the base. Exit status 1 if nothing suffices for a joint. A file named - is standard input.
+    """Choose for each joint the motor, gear and ratio of a catalogue that suffice along all motions: peak and RMS
+    torque against their curves, speeds, peak and cubic mean of the gear. Motors load the joints before them: chosen
+    from the tips to the base. Exit status 1 if nothing suffices for a joint. A file named - is standard input.
 
     \b
     Examples:

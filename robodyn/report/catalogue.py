@@ -6,10 +6,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from robodyn.loads.sizing import points
 from robodyn.report import document as doc
 from robodyn.report.charts import plane_chart
 from robodyn.report.sizes import speed_unit
 from robodyn.report.table import filled, first_names, number
+from robodyn.scene.scene import Curve
 from robodyn.sizing.catalogue import LIMITS, Catalogue, Choice, JointChoices
 from robodyn.support.floats import Floats
 from robodyn.support.wording import count
@@ -45,7 +47,16 @@ def _row(each: Choice) -> list[str]:
     shares = ("" if x is None else f"{100.0 * (1.0 - x):.3g}" for x in each.margins.values())
     price, loss = ("" if x is None else number(x) for x in (each.price, each.loss))
     ratio = "" if each.inertia_ratio is None else f"{each.inertia_ratio:.3g}"
-    return [each.motor, each.gear or "-", f"{each.ratio:.6g}", f"{each.mass:.4g}", price, loss, *shares, ratio]
+    return [
+        each.motor.name,
+        each.gear.name or "-",
+        f"{each.ratio:.6g}",
+        f"{each.mass:.4g}",
+        price,
+        loss,
+        *shares,
+        ratio,
+    ]
 
 
 def _miss(joint: JointChoices) -> str:
@@ -57,7 +68,8 @@ def _miss(joint: JointChoices) -> str:
 
 
 def _named(each: Choice) -> str:
-    return f"{each.motor} with {each.gear} {each.ratio:.6g}" if each.gear else f"{each.motor} at {each.ratio:.6g}"
+    name = each.motor.name
+    return f"{name}, {each.gear.name} {each.ratio:.6g}" if each.gear.name else f"{name}, ratio {each.ratio:.6g}"
 
 
 def verdict(found: Catalogue) -> doc.Verdict:
@@ -75,73 +87,67 @@ def verdict(found: Catalogue) -> doc.Verdict:
 
 def size_page(found: Catalogue, pictures: bool = True) -> doc.Document:
     """Return the verdict, torque over speed of each joint with the candidates' curves, and what the text says."""
-    what = f"Motors of a catalogue: {count(len(found.motors), 'motor')}, {count(len(found.gears), 'gear')}, "
-    what += f"{count(len(found.joints), 'joint')}, by {found.by}"
-    charts = [_plane(found, joint) for joint in found.joints if joint.choices] if pictures else []
+    what = f"Motors and gears of a catalogue for {count(len(found.joints), 'joint')}, by {found.by}"
+    charts = [_plane(joint) for joint in found.joints if joint.choices] if pictures else []
     sections = [*size_sections(found)]
     blocks = [verdict(found), *doc.gallery(charts)]
     data = [("catalogue.json", size_json(found))]
     return doc.page(found.robot, what, blocks, sections[:-1], "", data, "robodyn size --format json prints it")
 
 
-def _plane(found: Catalogue, joint: JointChoices) -> doc.Chart:
-    """Return torque over speed at a joint: its load, that of the best motor with its rotor, both times the ratio, and
-    the curves of candidates."""
+def _plane(joint: JointChoices) -> doc.Chart:
+    """Return torque over speed at a joint, up to three times its speed: its load, that of the best motor with its rotor,
+    and the curves of candidates, torques times and speeds over the ratio."""
     speed, load, acceleration = joint.points
     pace, best = np.abs(speed), joint.choices[0]
-    gears = {k: gear for k, gear in enumerate(found.gears)}
-    motor, gear = found.motors[best.places[0]], gears.get(best.places[1])
-    G, J, e = abs(best.ratio), motor.inertia + (gear.inertia if gear else 0.0), gear.efficiency if gear else 1.0
-    driving = np.sign(load) * np.sign(speed)
-    at_motor = np.abs(G * G * J * acceleration + load * np.where(driving > 0, 1 / e, np.where(driving < 0, e, 1.0)))
-    own = "with the rotor of the best" if joint.best else "with the rotor of the nearest miss"
-    dots = {"load": (pace, np.abs(load)), own: (pace, at_motor)}
-    ends = [joint.max_speed, 1.1 * (motor.speed_limit or 0.0) / G]
-    tops = np.array([np.abs(load).max(), at_motor.max()])
-    reach, top = max(2.0 * ends[0], ends[1]), 3.0 * float(tops.max())
-    lines, colours, named = {}, {"load": "soft", own: "ink"}, []
-    chosen = joint.choices[1 : joint.feasible][:_CURVES], joint.choices[max(joint.feasible, 1) :][:_CURVES]
-    for label, some, colour in (("others that suffice", chosen[0], "good"), ("do not suffice", chosen[1], "bad")):
-        curves = [_curve(found, each, "peak", reach, top) for each in some]
+    e, sign = best.gear.efficiency, np.sign(load) * np.sign(speed)
+    shared = load * np.where(sign > 0, 1.0 / e, np.where(sign < 0, e, 1.0))
+    at_motor = np.abs(best.ratio**2 * best.inertia * acceleration + shared)
+    first = "best" if joint.best else "nearest miss"
+    dots = {"load": (pace, np.abs(load)), f"with the rotor of the {first}": (pace, at_motor)}
+    colours = dict(zip(dots, ("soft", "ink"), strict=True))
+    names: dict[str, list[str]] = {}
+    reach, top = 3.0 * joint.max_speed, 3.0 * max(joint.peak, float(at_motor.max()))
+    lines = {}
+    others = joint.choices[1 : joint.feasible][:_CURVES], joint.choices[max(joint.feasible, 1) :][:_CURVES]
+    for label, some, colour in (("others that suffice", others[0], "good"), ("do not suffice", others[1], "bad")):
+        curves = [(_named(each), _curve(each, each.motor.peak_torque, reach, top)) for each in some]
         if curves:
             gap = np.full((2, 1), np.nan)
-            lines[label] = tuple(np.hstack([part for curve in curves for part in (curve, gap)]))
-            colours[label] = colour
-            for each, (x, y) in zip(some, curves, strict=True):
-                end = int(np.flatnonzero(np.isfinite(y))[-1:].sum())
-                named += [(float(x[end]), float(y[end]), _named(each), colour)] if np.isfinite(y[end]) else []
-    for name, colour in (("peak", "c1"), ("continuous", "c2")):
+            lines[label] = tuple(np.hstack([part for _, curve in curves for part in (curve, gap)]))
+            seen = [
+                (name, *curve[:, np.isfinite(curve[1])].T[-1]) for name, curve in curves if np.isfinite(curve[1]).any()
+            ]
+            ends = f"{label}: their names"
+            names[ends], dots[ends] = (
+                [name for name, _, _ in seen],
+                tuple(np.array([x[1:] for x in seen]).reshape(-1, 2).T),
+            )
+            colours |= {label: colour, ends: colour}
+    for name in ("peak", "continuous"):
         label = f"{name} of {_named(best)}"
-        lines[label], colours[label] = tuple(_curve(found, best, name, reach, np.inf)), colour
+        lines[label] = tuple(_curve(best, getattr(best.motor, f"{name}_torque"), reach, np.inf))
+        colours[label] = "c1" if name == "peak" else "c2"
     words = f"{joint.name}: {_named(best)}" if joint.best else f"{joint.name}: nothing suffices"
     alt = f"Torque over speed at {joint.name} and curves of motors times the ratio; {joint.feasible} suffice"
-    return plane_chart(
-        words,
-        alt,
-        f"speed [{speed_unit(joint.unit)}]",
-        f"torque [{joint.unit}]",
-        dots=dots,
-        lines=lines,
-        marks=named,
-        colours=colours,
-    )
+    axes = f"speed [{speed_unit(joint.unit)}]", f"torque [{joint.unit}]"
+    return plane_chart(words, alt, *axes, dots=dots, lines=lines, colours=colours, names=names)
 
 
-def _curve(found: Catalogue, each: Choice, name: str, reach: float, top: float) -> Floats:
+def _curve(each: Choice, torque: float | Curve | None, reach: float, top: float) -> Floats:
     """Return (2, P) speed and torque at the joint of a motor's curve, up to a speed; nan above a torque."""
-    motor, G = found.motors[each.places[0]], abs(each.ratio)
-    torque, end = getattr(motor, name), motor.speed_limit or reach * G
     if torque is None:
         return np.full((2, 1), np.nan)
-    knots = np.array(torque).T if isinstance(torque, tuple) else np.array([[0.0], [torque]])
-    speeds = np.unique([*np.linspace(0.0, min(end, reach * G), _STEPS), *knots[0][knots[0] < min(end, reach * G)]])
+    G, knots = abs(each.ratio), np.array(points(torque)).T
+    end = min(each.motor.speed_limit or np.inf, reach * G)
+    speeds = np.unique([*np.linspace(0.0, end, _STEPS), *knots[0][knots[0] < end]])
     torques = G * np.interp(speeds, *knots)
     return np.array([speeds / G, np.where(torques <= top, torques, np.nan)])
 
 
 def size_json(found: Catalogue) -> str:
     """Return the document of `size`; docs/reference/schemas has its keys; units are SI."""
-    keys = "motor gear ratio feasible margins binding inertia_ratio mass price loss"
+    keys = "motor:motor.name gear:gear.name ratio feasible margins binding inertia_ratio mass price loss"
     joint = f"name unit peak rms max_speed feasible ruled_out best[{keys}] choices[{keys}]"
     totals = {name: found.total(name) for name in _UNITS}
     return doc.written(

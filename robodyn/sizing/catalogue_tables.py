@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import csv
-import io
 import math
+import os
 import re
-from collections.abc import Callable, Collection, Iterator, Sequence
-from dataclasses import dataclass, fields
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from math import pi
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
 from robodyn.errors import InputError
 from robodyn.scene.scene import Curve
-from robodyn.support.floats import LARGEST
+from robodyn.support.floats import BEYOND, LARGEST
 from robodyn.support.input_file import beyond, limits, read_input, read_standard_input
 from robodyn.support.wording import alternatives, count, listed, shown
 
@@ -31,20 +31,21 @@ class CatalogueMotor:
     """A motor of a catalogue; speeds and torques at its shaft, rad/s and N m; of a linear motor m/s and N.
 
     Attributes:
-        linear: whether it pushes a slide without a gear; `inertia` then is the mass of its moving part [kg].
-        continuous, peak: torque for ever and for moments, one for all speeds or a curve; None: not judged.
-        max_speed: None: where the curve `peak` ends.
+        inertia: of the rotor; of a linear motor the mass of what it moves beside the link [kg m^2, kg].
+        continuous_torque, peak_torque: for ever and for moments, one for all speeds or a curve; None: not judged.
+        max_speed: None: where the curve of `peak_torque` ends.
+        kind: "rotary", or "linear": it pushes a slide without a gear.
         resistance, torque_constant: R and k, so that a torque T heats the winding with R (T / k)^2 [ohm, N m/A].
         joints: the only ones that it may drive; all without.
     """
 
     name: str
     inertia: float
-    continuous: float | Curve | None
-    peak: float | Curve | None
+    continuous_torque: float | Curve | None
+    peak_torque: float | Curve | None
     max_speed: float | None
     mass: float
-    linear: bool = False
+    kind: str = "rotary"
     price: float | None = None
     resistance: float | None = None
     torque_constant: float | None = None
@@ -52,30 +53,35 @@ class CatalogueMotor:
 
     @property
     def speed_limit(self) -> float | None:
-        return self.peak[-1][0] if self.max_speed is None and isinstance(self.peak, tuple) else self.max_speed
+        curve = self.peak_torque
+        return curve[-1][0] if self.max_speed is None and isinstance(curve, tuple) else self.max_speed
 
 
 @dataclass(frozen=True)
 class CatalogueGear:
-    """A gear of a catalogue, in one or more ratios; a screw or a rack has `lead` instead, and moves prismatic joints.
+    """A gear of a catalogue, in one or more ratios: turns of the motor per turn of the joint; or a screw or a rack, which
+    moves a prismatic joint by its `lead` [m] per turn of the motor.
 
     Attributes:
-        ratios: turns of the motor per turn of the joint; of a screw 2 pi / lead [rad/m].
-        peak, average: what it bears at its output, for moments and as cubic mean [N m, N]; None: not judged.
-        max_input_speed: rad/s; inertia: at its input [kg m^2].
+        peak_torque, average_torque: what it bears at its output, for moments and as cubic mean [N m, N].
+        max_input_speed: rad/s; inertia: at its input [kg m^2]. None of these limits: not judged.
     """
 
     name: str
-    ratios: tuple[float, ...]
+    ratio: tuple[float, ...]
+    lead: float | None
     efficiency: float
-    peak: float | None
-    average: float | None
-    max_input_speed: float | None
+    peak_torque: float | None = None
+    average_torque: float | None = None
+    max_input_speed: float | None = None
     inertia: float = 0.0
     mass: float = 0.0
     price: float | None = None
-    screw: bool = False
-    joints: tuple[str, ...] = ()
+
+    @property
+    def ratios(self) -> tuple[float, ...]:
+        """Turns of the motor per turn of the joint; of a screw 2 pi / lead [rad/m]."""
+        return (2.0 * pi / self.lead,) if self.lead else self.ratio
 
 
 class CatalogueError(InputError):
@@ -83,338 +89,276 @@ class CatalogueError(InputError):
 
     def __init__(self, faults: Sequence[InputError]) -> None:
         first, self.faults = faults[0], tuple(faults)
-        more = f"; {count(len(faults) - 1, 'more fault')} below" if faults[1:] else ""
+        more = f"; and {count(len(faults) - 1, 'more fault')}" if faults[1:] else ""
         super().__init__(f"{first.what}{more}", remedy=first.remedy, file=first.file, line=first.line)
 
 
 class _Column(NamedTuple):
-    """A column: the units that its header may name, with what they are in SI, the first without any; whether a row must
-    have it; whether a curve may stand there; from where on a number without a unit looks like another unit."""
+    """A column: what its cells are, the units that its header may name with what they are in SI (the first without any),
+    whether a row must have it (a limit may be `UNKNOWN`), and from where on a number looks like another unit."""
 
-    units: dict[str, float]
+    cells: Literal["number", "curve", "numbers", "names", "text"]
+    units: dict[str, float] = {}  # noqa: RUF012
     needed: bool = True
     limit: bool = False
-    curve: bool = False
     doubtful: float = math.inf
-    zero: bool = False
 
 
-_TORQUE = {"N m": 1.0, "mN m": 1e-3, "N cm": 1e-2, "kN m": 1e3, "N": 1.0, "kN": 1e3}
+_TORQUE = {"N m": 1.0, "mN m": 1e-3, "N cm": 1e-2, "N": 1.0, "kN": 1e3}
 _SPEED = {"rad/s": 1.0, "rpm": pi / 30.0, "m/s": 1.0, "mm/s": 1e-3}
 _INERTIA = {"kg m^2": 1.0, "kg cm^2": 1e-4, "g cm^2": 1e-7, "kg": 1.0}
-_MASS, _LENGTH = {"kg": 1.0, "g": 1e-3}, {"m": 1.0, "mm": 1e-3}
-_COMMON = {"price": _Column({}, needed=False, zero=True), "joints": _Column({}, needed=False)}
+_MASS = _Column("number", {"kg": 1.0, "g": 1e-3}, doubtful=300.0)
+_OPTIONAL, _NAME = _Column("number", needed=False), _Column("text")
+_FASTEST, _ROTOR = _Column("number", _SPEED, limit=True, doubtful=2000.0), _Column("number", _INERTIA, doubtful=0.2)
 MOTOR_COLUMNS = {
-    "name": _Column({}),
-    "inertia": _Column(_INERTIA, doubtful=0.2, zero=True),
-    "continuous_torque": _Column(_TORQUE, limit=True, curve=True),
-    "peak_torque": _Column(_TORQUE, limit=True, curve=True),
-    "max_speed": _Column(_SPEED, limit=True, doubtful=2000.0),
-    "mass": _Column(_MASS, doubtful=300.0, zero=True),
-    "kind": _Column({}, needed=False),
-    "resistance": _Column({"ohm": 1.0, "mohm": 1e-3}, needed=False, doubtful=500.0),
-    "torque_constant": _Column({"N m/A": 1.0, "mN m/A": 1e-3, "N/A": 1.0}, needed=False),
-    **_COMMON,
+    "name": _NAME,
+    "inertia": _ROTOR,
+    "continuous_torque": _Column("curve", _TORQUE, limit=True),
+    "peak_torque": _Column("curve", _TORQUE, limit=True),
+    "max_speed": _FASTEST,
+    "mass": _MASS,
+    "kind": _Column("text", needed=False),
+    "price": _OPTIONAL,
+    "resistance": _Column("number", {"ohm": 1.0, "mohm": 1e-3}, needed=False),
+    "torque_constant": _Column("number", {"N m/A": 1.0, "mN m/A": 1e-3, "N/A": 1.0}, needed=False),
+    "joints": _Column("names", needed=False),
 }
 GEAR_COLUMNS = {
-    "name": _Column({}),
-    "ratio": _Column({}, needed=False),
-    "lead": _Column(_LENGTH, needed=False, doubtful=1.0),
-    "efficiency": _Column({"1": 1.0, "%": 1e-2}),
-    "peak_torque": _Column(_TORQUE, limit=True),
-    "average_torque": _Column(_TORQUE, limit=True),
-    "max_input_speed": _Column(_SPEED, limit=True, doubtful=2000.0),
-    "inertia": _Column(_INERTIA, doubtful=0.2, zero=True),
-    "mass": _Column(_MASS, doubtful=300.0, zero=True),
-    **_COMMON,
+    "name": _NAME,
+    "ratio": _Column("numbers", needed=False),
+    "lead": _Column("number", {"m": 1.0, "mm": 1e-3}, needed=False, doubtful=1.0),
+    "efficiency": _Column("number", {"1": 1.0, "%": 1e-2}),
+    "peak_torque": _Column("number", _TORQUE, limit=True),
+    "average_torque": _Column("number", _TORQUE, limit=True),
+    "max_input_speed": _FASTEST,
+    "inertia": _ROTOR,
+    "mass": _MASS,
+    "price": _OPTIONAL,
 }
-_HEADER = re.compile(r"\s*([^\[\]]*?)\s*(?:\[([^\[\]]*)\])?\s*")
-Fault = Callable[[str, str], None]
+_ZERO = ("inertia", "mass", "price")
+_HEADER = re.compile(r"([^\[\]]*?)\s*(?:\[([^\[\]]*)\])?")
+_POINTS = "points are speed:torque between blanks, with speeds that increase from 0 on: 0:1.3 300:0.9"
 
 
-class _Row:
-    """A row whose cells are taken by column; what is wrong in them is gathered."""
+class _Table:
+    """A catalogue that is read row by row; what is wrong is gathered with its line and column."""
 
-    def __init__(self, table: _Reading, line: int, cells: dict[str, str]) -> None:
-        self.table, self.line, self.cells = table, line, cells
+    def __init__(self, path: str, what: str, columns: dict[str, _Column]) -> None:
+        self.file, self.what, self.columns = "<stdin>" if path == "-" else path, what, columns
+        self.faults: list[InputError] = []
+        self.notes: list[str] = []
+        self.line: int | None = None
+        self.cells: dict[str, str] = {}
+        self.units: dict[str, tuple[float, float] | None] = {}
+        most = limits().catalogue_bytes
+        try:
+            self.data = read_standard_input() if path == "-" else read_input(path, most + 1, typed=True)
+        except (OSError, ValueError) as error:
+            why = (getattr(error, "strerror", None) or str(error)).lower()
+            raise InputError(f"cannot be read: {why}", remedy="check the name; --init writes one", file=path) from None
+        if len(self.data) > most:
+            raise beyond("catalogue_bytes", "too many bytes", InputError, file=self.file)
 
-    def fault(self, column: str, what: str, remedy: str) -> None:
-        self.table.fault(f"column {shown(column)}: {what}", remedy, self.line)
+    def fault(self, what: str, remedy: str, column: str = "") -> None:
+        where = f"column {shown(column)}: " if column else ""
+        self.faults.append(InputError(f"{where}{what}", remedy=remedy, file=self.file, line=self.line))
 
-    def text(self, column: str) -> str:
-        cell = self.cells.get(column, "")
-        return "" if cell == UNKNOWN and not self.table.columns[column].limit else cell
+    def rows(self) -> Iterator[dict[str, Any]]:
+        """Yield the values of each row by column, in SI, None where there is none; those with faults are left out."""
+        try:
+            lines = self.data.decode("utf-8-sig").splitlines()
+        except UnicodeDecodeError as error:
+            self.line = self.data.count(b"\n", 0, error.start) + 1
+            return self.fault("is not UTF-8 text", "save the table as CSV in UTF-8")
+        numbered = [(k, text) for k, text in enumerate(lines, 1) if text.strip() and not text.lstrip().startswith("#")]
+        delimiter = next((mark for mark in ",;\t" if numbered and mark in numbered[0][1]), ",")
+        seen: dict[str, int] = {}
+        names: list[str] = []
+        for k, (self.line, text) in enumerate(numbered):
+            try:
+                cells = [cell.strip() for cell in next(csv.reader([text], delimiter=delimiter, strict=True))]
+            except csv.Error as error:
+                self.fault(f"cannot be read: {error}", "close the quotes")
+                continue
+            if k == 0:
+                names = self._header(cells)
+            elif len(cells) != len(names):
+                what = f"{count(len(cells), 'cell')} where the header names {count(len(names), 'column')}"
+                self.fault(what, "a cell for each column; points of a curve stand between blanks")
+            else:
+                self.cells, before = dict(zip(names, cells, strict=True)), len(self.faults)
+                values = {name: self._value(name, self.columns[name]) for name in self.units}
+                first = seen.setdefault(values.get("name") or "", self.line)
+                if first != self.line and values["name"]:
+                    self.fault(f"{shown(values['name'])} is in line {first} too", "a name of its own for each", "name")
+                if len(self.faults) == before:
+                    yield values
+        if not seen and not self.faults:
+            self.fault(f"has no {self.what}", f"a header of {listed(self.columns)}, and a row for each below")
 
-    def number(self, column: str) -> float | None:
-        """Return the number of a cell in SI; None, which is told where a row must have it, if there is none."""
-        known, cell = self.table.columns[column], self.text(column)
-        if known.limit and cell == UNKNOWN:
-            return None
-        if not cell:
+    def _header(self, cells: Sequence[str]) -> list[str]:
+        names = []
+        for cell in cells:
+            match = _HEADER.fullmatch(cell)
+            name, unit = (match[1], match[2]) if match else (cell, None)
+            known, parts = self.columns.get(name), [] if unit is None else [part.strip() for part in unit.split(":")]
+            names.append(name)
+            if known is None:
+                self.fault(f"unknown column {shown(name)}", alternatives(name, self.columns, "columns"))
+            elif names.count(name) > 1:
+                self.fault(f"column {shown(name)} stands twice", "leave one of them out")
+            elif unit is None or name == "price":
+                self.units[name] = None
+            elif parts[-1] in known.units and (parts[:-1] == [] or (known.cells == "curve" and parts[0] in _SPEED)):
+                self.units[name] = (_SPEED[parts[0]] if parts[:-1] else 1.0), known.units[parts[-1]]
+            else:
+                of_curves = "; of curves such as [rpm:N m]" if known.cells == "curve" else ""
+                self.fault(f"unknown unit {shown(unit)}", f"units: {listed(known.units) or 'none'}{of_curves}", name)
+        missing = [name for name, known in self.columns.items() if known.needed and name not in names]
+        if "lead" in self.columns and not {"ratio", "lead"} & {*names}:
+            missing.append("ratio")
+        if missing:
+            self.fault(f"no column {listed(missing)}", "add it; robodyn size --init writes a whole table")
+        return names
+
+    def _value(self, name: str, known: _Column) -> Any:
+        """Return what a cell says, None if nothing or nothing that can be: this is a fault."""
+        cell = self.cells[name]
+        if known.cells == "names":
+            return tuple(cell.replace(UNKNOWN, "").split() if cell == UNKNOWN else cell.split())
+        if not cell or (cell == UNKNOWN and not known.limit):
             if known.needed:
-                unsaid = ", or - if it is not known, which is then not judged" if known.limit else ""
-                self.fault(column, "is empty", f"write the number{unsaid}")
-            return None
-        value = self._parsed(column, cell)
-        if value is None:
-            return None
-        if value < 0.0 or (value == 0.0 and not known.zero):
-            self.fault(column, f"is {cell}", "it is positive or zero" if known.zero else "it is positive")
-            return None
-        _, factor, said = self.table.units[column]
-        if not said and value > known.doubtful:
-            units = [unit for unit in known.units if known.units[unit] < 1.0] or ["..."]
-            what = f"line {self.line}, {column}: {cell} is taken as {value:g} {next(iter(known.units))}"
-            self.table.notes.append(f"{what}; if it is meant in another unit, name it in the header: [{units[0]}]")
-        return value * factor
+                unsaid = ", or - if it is not known, which then is not judged" if known.limit else ""
+                self.fault("is empty" if not cell else "is not known", f"write it{unsaid}", name)
+            return () if known.cells == "numbers" else None
+        if known.cells == "text" or cell == UNKNOWN:
+            return cell if known.cells == "text" else None
+        if known.cells == "numbers":
+            ratios = [self._number(name, word) for word in cell.split()]
+            if len(set(ratios)) < len(ratios):
+                self.fault(f"{shown(cell)} has a number twice", "each once: 50 80 100", name)
+            return tuple(ratios)
+        speed, factor = self.units[name] or (1.0, 1.0)
+        if known.cells == "curve" and ":" in cell:
+            return self._curve(name, cell, speed, factor)
+        value = self._number(name, cell)
+        if value is not None and self.units[name] is None and value > known.doubtful:
+            unit, other = [*known.units][0], [*known.units][1]
+            doubt = f"line {self.line}: {name} {cell} is taken in {unit}; if it is not, name the unit in the header"
+            self.notes.append(f"{doubt}: {name} [{other}]")
+        return None if value is None else value * factor
 
-    def torque(self, column: str) -> float | Curve | None:
-        """Return a torque, or a curve of `speed:torque` points, in SI."""
-        if ":" not in self.text(column):
-            return self.number(column)
-        points: list[tuple[float, float]] = []
-        remedy = "points are speed:torque between blanks, with speeds that increase from 0 on: 0:1.3 300:0.9"
-        for word in (words := self.text(column).split()[: _MOST_POINTS + 1]):
-            pair = [self._parsed(column, part) for part in word.split(":")] if word.count(":") == 1 else []
-            if len(pair) != 2 or None in pair:
-                if None not in pair:
-                    self.fault(column, f"{shown(word)} is no point of a curve", remedy)
-                return None
-            points.append((pair[0] or 0.0, pair[1] or 0.0))
-        speeds, torques = zip(*points, strict=True)
-        if len(words) > _MOST_POINTS:
-            self.fault(column, f"the curve has over {_MOST_POINTS} points", "leave out those on straight lines")
-        elif speeds[0] < 0.0 or any(b <= a for a, b in pairwise(speeds)):
-            self.fault(column, f"the speeds of the curve do not increase from 0 on: {self.text(column):.60}", remedy)
-        elif min(torques) < 0.0 or not max(torques):
-            self.fault(column, f"the torques of the curve are not positive: {self.text(column):.60}", remedy)
-        else:
-            speed, torque, _ = self.table.units[column]
-            return tuple((x * speed, y * torque) for x, y in points)
-        return None
+    def _curve(self, name: str, cell: str, speed: float, torque: float) -> Curve | None:
+        words = cell.split()
+        pairs = [word.split(":") for word in words[: _MOST_POINTS + 1]]
+        wrong = next((word for word, pair in zip(words, pairs, strict=False) if len(pair) != 2), None)
+        points = [] if wrong else [(self._number(name, x, True), self._number(name, y, True)) for x, y in pairs]
+        known = tuple((x * speed, y * torque) for x, y in points if x is not None and y is not None)
+        if wrong:
+            self.fault(f"{shown(wrong)} is no point of a curve", _POINTS, name)
+        elif len(known) == len(points):
+            if len(words) > _MOST_POINTS:
+                self.fault(f"a curve of {len(words)} points", f"at most {_MOST_POINTS}: leave out those on lines", name)
+            elif any(b[0] <= a[0] for a, b in pairwise(known)):
+                self.fault(f"the speeds of {shown(cell)} do not increase", _POINTS, name)
+            elif not max(y for _, y in known):
+                self.fault(f"the torques of {shown(cell)} are all 0", _POINTS, name)
+        return known
 
-    def _parsed(self, column: str, cell: str) -> float | None:
+    def _number(self, name: str, cell: str, zero: bool = False) -> float | None:
+        """Return a finite number that is positive, or 0 where that may be."""
         try:
             value = math.nan if "_" in cell else float(cell)
         except ValueError:
             value = math.nan
-        if abs(value) <= LARGEST:
+        if not abs(value) <= LARGEST:
+            comma = re.fullmatch(r"[-+]?\d+,\d+", cell)
+            remedy = "write decimals with a point" if comma else "write a finite number such as 1.5e-3"
+            self.fault(f"{shown(cell)} is not a number", remedy, name)
+        elif value < 0.0 or (value == 0.0 and not zero and name not in _ZERO):
+            self.fault(f"is {cell}", "it is positive" if name not in _ZERO else "it is positive or zero", name)
+        else:
             return value
-        comma = re.fullmatch(r"[-+]?\d+,\d+", cell)
-        remedy = "write decimals with a point" if comma else "write a finite number such as 1.5e-3"
-        self.fault(column, f"{shown(cell)} is not {'a number' if value != value else 'a finite number'}", remedy)
         return None
 
-    def price(self) -> float | None:
-        return self.number("price")
-
-    def joints(self) -> tuple[str, ...]:
-        return tuple(self.text("joints").split())
-
-
-class _Reading:
-    """The header and the rows of a catalogue; faults and doubts of it."""
-
-    def __init__(self, file: str, what: str, columns: dict[str, _Column]) -> None:
-        self.file, self.what, self.columns = file, what, columns
-        self.faults: list[InputError] = []
-        self.notes: list[str] = []
-        self.units: dict[str, tuple[float, float, bool]] = {}
-
-    def fault(self, what: str, remedy: str, line: int | None = None) -> None:
-        self.faults.append(InputError(what, remedy=remedy, file=self.file, line=line))
-
-    def rows(self, data: bytes) -> Iterator[_Row]:
-        """Yield the rows; what is no row of as many cells as the header has is a fault."""
-        if len(data) > limits().catalogue_bytes:
-            raise beyond("catalogue_bytes", "too many bytes", InputError, file=self.file)
-        try:
-            text = data.decode("utf-8-sig")
-        except UnicodeDecodeError as error:
-            line = data.count(b"\n", 0, error.start) + 1
-            self.fault("is not UTF-8 text", "save the table as CSV in UTF-8", line)
-            return
-        lines = text.splitlines() if "\0" not in text else []
-        first = next((k for k, each in enumerate(lines) if each.strip() and not each.lstrip().startswith("#")), None)
-        if first is None:
-            self.fault("has no table", f"the header names columns: {', '.join(self.columns)}", None)
-            return
-        delimiter = next((mark for mark in ",;\t" if mark in lines[first]), ",")
-        names = self._header([cell.strip() for cell in lines[first].split(delimiter)], first + 1)
-        seen: dict[str, int] = {}
-        for line, each in enumerate(lines[first + 1 :], start=first + 2):
-            if not each.strip() or each.lstrip().startswith("#"):
-                continue
-            try:
-                cells = [cell.strip() for cell in next(csv.reader(io.StringIO(each), delimiter=delimiter, strict=True))]
-            except csv.Error as error:
-                self.fault(f"cannot be read: {error}", "close the quotes", line)
-                continue
-            if len(cells) != len(names):
-                what = f"{count(len(cells), 'cell')} where the header names {count(len(names), 'column')}"
-                self.fault(what, "a cell for each column; points of a curve stand between blanks", line)
-                continue
-            row = _Row(self, line, dict(zip(names, cells, strict=True)))
-            name = row.text("name")
-            if not name:
-                row.fault("name", "is empty", f"name the {self.what}")
-            elif name in seen:
-                row.fault("name", f"{shown(name)} is in line {seen[name]} too", "give each a name of its own")
-            seen.setdefault(name, line)
-            yield row
-        if not seen and not self.faults:
-            self.fault(f"has no {self.what}", "write a row for each below the header", None)
-
-    def _header(self, cells: Sequence[str], line: int) -> list[str]:
-        names = []
-        for cell in cells:
-            match = _HEADER.fullmatch(cell.strip('"'))
-            name, unit = (match[1], match[2]) if match else (cell, None)
-            known = self.columns.get(name)
-            names.append(name)
-            if known is None:
-                self.fault(f"unknown column {shown(name)}", alternatives(name, self.columns, "columns"), line)
-            elif names.count(name) > 1:
-                self.fault(f"column {shown(name)} stands twice", "leave one of them out", line)
-            else:
-                self.units[name] = self._unit(name, known, unit, line)
-        missing = [name for name, known in self.columns.items() if known.needed and name not in names]
-        if "ratio" in self.columns and not {"ratio", "lead"} & {*names}:
-            missing.append("ratio")
-        if missing:
-            self.fault(f"no column {listed(missing)}", "add it; robodyn size --init writes a whole table", line)
-        return names
-
-    def _unit(self, name: str, known: _Column, text: str | None, line: int) -> tuple[float, float, bool]:
-        """Return the factors to SI of the speeds of a curve and of the numbers, and whether the header says them."""
-        parts = [] if text is None else [part.strip() for part in text.split(":")]
-        speeds = _SPEED if known.curve and len(parts) == 2 else {}
-        if text is None:
-            return 1.0, 1.0, False
-        if parts[-1] in known.units and (len(parts) == 1 or (len(parts) == 2 and parts[0] in speeds)):
-            return speeds.get(parts[0], 1.0), known.units[parts[-1]], True
-        valid = ", ".join(known.units) or "none"
-        remedy = f"units: {valid}" + ("; of curves such as [rpm:N m]" if known.curve else "")
-        self.fault(f"column {shown(name)}: unknown unit {shown(text)}", remedy, line)
-        return 1.0, 1.0, True
+    def finished(self, found: list[Any]) -> tuple[tuple[Any, ...], tuple[str, ...]]:
+        """Return the rows, and what is doubtful or not judged; raise if something is wrong."""
+        if self.faults:
+            raise CatalogueError(self.faults)
+        silent: dict[str, list[str]] = {}
+        for name in (name for name, known in self.columns.items() if known.limit and name != "max_speed"):
+            for each in found:
+                if getattr(each, name) is None:
+                    silent.setdefault(each.name, []).append(name)
+        for names in dict.fromkeys(map(tuple, silent.values())):
+            rows = [name for name, own in silent.items() if tuple(own) == names]
+            self.notes.append(f"{' and '.join(names)} of {listed(rows)} not known, and not judged")
+        return tuple(found), tuple(f"{self.file}: {note}" for note in self.notes)
 
 
-def read_motors(path: str) -> tuple[tuple[CatalogueMotor, ...], tuple[str, ...]]:
-    """Return the motors of a CSV table, and doubts about its units; `-` is standard input.
+def read_motors(path: str, joints: Collection[str]) -> tuple[tuple[CatalogueMotor, ...], tuple[str, ...]]:
+    """Return the motors of a CSV table for a robot with these joints, and notes on it; `-` is standard input.
 
     Raises:
         CatalogueError: all that is wrong in the table, place by place.
     """
-    reading, found = _Reading(_named(path), "motor", MOTOR_COLUMNS), []
-    for row in reading.rows(_bytes(path)):
-        before = len(reading.faults)
-        kind = row.text("kind") or "rotary"
-        if kind not in ("rotary", "linear"):
-            row.fault("kind", f"is {shown(kind)}", "rotary or linear")
-        inertia, mass, fastest = row.number("inertia"), row.number("mass"), row.number("max_speed")
-        continuous, peak = row.torque("continuous_torque"), row.torque("peak_torque")
-        resistance, constant = row.number("resistance"), row.number("torque_constant")
-        price = row.price()
-        if (resistance is None) != (constant is None) and len(reading.faults) == before:
-            empty = "resistance" if resistance is None else "torque_constant"
-            row.fault(empty, "is empty", "copper loss R (T / k)^2 needs resistance and torque_constant, or neither")
-        if len(reading.faults) == before:
-            _check_motor(row, continuous, peak, fastest)
-        if len(reading.faults) == before and inertia is not None and mass is not None:
-            each = (row.text("name"), inertia, continuous, peak, fastest, mass, kind == "linear", price)
-            found.append(CatalogueMotor(*each, resistance, constant, row.joints()))
-    return _checked(reading, found)
+    table, found = _Table(path, "motor", MOTOR_COLUMNS), []
+    for row in table.rows():
+        motor = CatalogueMotor(**row | {"kind": row.get("kind") or "rotary"})
+        _check_motor(table, motor)
+        for name in motor.joints:
+            if name not in joints:
+                table.fault(f"there is no joint {shown(name)}", alternatives(name, joints, "joints"), "joints")
+        found.append(motor)
+    return table.finished(found)
 
 
-def _check_motor(row: _Row, continuous: float | Curve | None, peak: float | Curve | None, fast: float | None) -> None:
+def _check_motor(table: _Table, motor: CatalogueMotor) -> None:
+    """Find what contradicts itself in a row."""
+    fast, continuous, peak = motor.max_speed, motor.continuous_torque, motor.peak_torque
+    if motor.kind not in ("rotary", "linear"):
+        table.fault(f"is {shown(motor.kind)}", "rotary or linear", "kind")
+    if (motor.resistance is None) != (motor.torque_constant is None):
+        empty = "resistance" if motor.resistance is None else "torque_constant"
+        table.fault("is empty", "the loss R (T / k)^2 takes resistance and torque_constant, or neither", empty)
     if fast is None and not isinstance(peak, tuple):
-        row.fault("max_speed", "is not known", "write it, or give peak_torque as a curve that ends there")
-    if isinstance(peak, tuple) and fast is not None and peak[-1][0] < fast * (1.0 - 1e-9):
-        what = f"is {fast:g} rad/s, and the curve of peak_torque ends at {peak[-1][0]:g} rad/s"
-        row.fault("max_speed", what, "write the curve to its end, or a unit of speeds: peak_torque [rpm:N m]")
+        table.fault("is not known", "write it, or peak_torque as a curve that ends there", "max_speed")
     for name, curve in (("continuous_torque", continuous), ("peak_torque", peak)):
-        if isinstance(curve, tuple) and fast is not None and curve[-1][0] > 5.0 * fast:
-            what = f"the curve goes to {curve[-1][0]:g} rad/s, max_speed is {fast:g} rad/s"
-            row.fault(name, what, f"name the unit of its speeds in the header: {name} [rpm:N m]")
+        if isinstance(curve, tuple) and fast is not None:
+            end, says = curve[-1][0], f"the curve ends at {curve[-1][0]:g} rad/s, max_speed is {fast:g} rad/s"
+            if end * BEYOND < fast and name == "peak_torque":
+                table.fault(says, f"write the curve to its end, or the unit of its speeds: {name} [rpm:N m]", name)
+            elif end > 5.0 * fast:
+                table.fault(says, f"name the unit of its speeds in the header: {name} [rpm:N m]", name)
     if continuous is None or peak is None:
         return
     (speeds, torques), (places, most) = (
         np.transpose(((0.0, of),) if isinstance(of, float) else of) for of in (continuous, peak)
     )
     for speed, torque, limit in zip(speeds, torques, np.interp(speeds, places, most), strict=True):
-        if torque > limit * (1.0 + 1e-9):
-            what = f"allows {torque:g} N m at {speed:g} rad/s and peak_torque {limit:g}"
-            row.fault("continuous_torque", what, "are they swapped, or in different units?")
-            return
+        if torque > limit * BEYOND:
+            what = f"allows {torque:g} at {speed:g} rad/s, and peak_torque {limit:g}"
+            return table.fault(what, "are they swapped, or in different units?", "continuous_torque")
 
 
 def read_gears(path: str) -> tuple[tuple[CatalogueGear, ...], tuple[str, ...]]:
-    """Return the gears of a CSV table, and doubts about its units; `-` is standard input.
+    """Return the gears of a CSV table, and notes on it; `-` is standard input.
 
     Raises:
         CatalogueError: all that is wrong in the table, place by place.
     """
-    reading, found = _Reading(_named(path), "gear", GEAR_COLUMNS), []
-    for row in reading.rows(_bytes(path)):
-        before = len(reading.faults)
-        lead, words = row.number("lead"), row.text("ratio").split()
-        ratios = [row._parsed("ratio", word) for word in words]
-        if (lead is None) == (not words) and len(reading.faults) == before:
-            row.fault("ratio", "and lead are both empty" if not words else "and lead are both given", "give one")
-        for ratio in ratios:
-            if ratio is not None and (ratio <= 0.0 or ratios.count(ratio) > 1):
-                row.fault("ratio", f"is {row.text('ratio'):.60}", "positive numbers, each once: 50 80 100")
-                break
-        given = [row.number(name) for name in ("efficiency", "peak_torque", "average_torque", "max_input_speed")]
-        efficiency, peak, average, fastest = given
-        inertia, mass, price = row.number("inertia"), row.number("mass"), row.price()
-        if efficiency is not None and efficiency > 1.0:
-            row.fault("efficiency", f"is {efficiency:g}", "a share above 0 and up to 1, or efficiency [%]")
-        if average is not None and peak is not None and average > peak:
-            row.fault("average_torque", f"is {average:g} N m, and peak_torque {peak:g}", "are they swapped?")
-        if len(reading.faults) == before:
-            assert efficiency is not None and inertia is not None and mass is not None
-            turns = (2.0 * pi / lead,) if lead else tuple(each for each in ratios if each is not None)
-            each = (row.text("name"), turns, efficiency, peak, average, fastest, inertia, mass, price)
-            found.append(CatalogueGear(*each, lead is not None, row.joints()))
-    return _checked(reading, found)
-
-
-def _checked(reading: _Reading, found: list[Any]) -> tuple[tuple[Any, ...], tuple[str, ...]]:
-    if reading.faults:
-        raise CatalogueError(reading.faults)
-    for each in fields(found[0]):
-        if each.name in ("continuous", "peak", "average", "max_input_speed"):
-            silent = [one.name for one in found if getattr(one, each.name) is None]
-            if silent:
-                what = f"{each.name.replace('_', ' ')} of {reading.what} {listed(silent)} is not known, and not judged"
-                reading.notes.append(what)
-    return tuple(found), tuple(f"{reading.file}: {note}" for note in reading.notes)
-
-
-def check_joints(rows: Collection[CatalogueMotor | CatalogueGear], known: Collection[str], file: str) -> None:
-    """Raise CatalogueError if a catalogue names joints that a robot does not have."""
-    faults = [
-        InputError(f"{shown(row.name)}: there is no joint {shown(name)}", remedy=remedy, file=file)
-        for row in rows
-        for name in row.joints
-        if name not in known
-        for remedy in [alternatives(name, known, "joints")]
-    ]
-    if faults:
-        raise CatalogueError(faults)
-
-
-def _named(path: str) -> str:
-    return "<stdin>" if path == "-" else path
-
-
-def _bytes(path: str) -> bytes:
-    try:
-        return read_standard_input() if path == "-" else read_input(path, limits().catalogue_bytes + 1, typed=True)
-    except (OSError, ValueError) as error:
-        why = (getattr(error, "strerror", None) or str(error)).lower()
-        raise InputError(f"cannot be read: {why}", remedy="check the name, or write one by --init", file=path) from None
+    table, found = _Table(path, "gear", GEAR_COLUMNS), []
+    for row in table.rows():
+        gear = CatalogueGear(**{"ratio": (), "lead": None} | row)
+        if bool(gear.ratio) == bool(gear.lead):
+            table.fault("and lead are both given" if gear.lead else "and lead are both empty", "give one", "ratio")
+        if gear.efficiency > 1.0:
+            table.fault(f"is {gear.efficiency:g}", "a share above 0 and up to 1, or efficiency [%]", "efficiency")
+        if (gear.average_torque or 0.0) > (gear.peak_torque or math.inf):
+            what = f"is {gear.average_torque:g} N m, and peak_torque {gear.peak_torque:g}"
+            table.fault(what, "are they swapped?", "average_torque")
+        found.append(gear)
+    return table.finished(found)
 
 
 MOTORS_TEMPLATE = """\
@@ -424,7 +368,7 @@ MOTORS_TEMPLATE = """\
 # names the units of both. - in place of a torque or a max_speed: not known, not judged (max_speed: the curve's end).
 # Optional: kind (rotary or linear: then N, m/s, and kg of the moving part for the inertia), price, resistance [ohm] and
 # torque_constant [N m/A] for copper loss R (T / k)^2, joints (names between blanks; all without).
-name,inertia [kg cm^2],continuous_torque [rpm:N m],peak_torque [rpm:N m],max_speed [rpm],mass,price,resistance,torque_constant [N m/A]
+name,inertia [kg cm^2],continuous_torque [rpm:N m],peak_torque [rpm:N m],max_speed [rpm],mass,price,resistance,torque_constant
 M 20,0.012,0:0.080 4000:0.060 6000:0.045,0:0.25 4000:0.25 6000:0.12,6000,0.16,95,1.9,0.038
 M 50,0.033,0:0.17 4000:0.15 6000:0.11,0:0.55 4000:0.55 6000:0.30,6000,0.29,120,1.1,0.045
 M 100,0.06,0:0.34 3000:0.32 5000:0.25,0:1.05 3500:1.05 5000:0.60,5000,0.46,150,1.3,0.071
