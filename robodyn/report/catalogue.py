@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
@@ -104,11 +105,11 @@ def _plane(joint: JointChoices) -> doc.Chart:
     shared = load * np.where(sign > 0, 1.0 / e, np.where(sign < 0, e, 1.0))
     at_motor = np.abs(best.ratio**2 * best.inertia * acceleration + shared)
     first = "best" if joint.best else "nearest miss"
-    dots = {"load": (pace, np.abs(load)), f"with the rotor of the {first}": (pace, at_motor)}
+    dots: dict[str, Any] = {"load": (pace, np.abs(load)), f"with the rotor of the {first}": (pace, at_motor)}
     colours = dict(zip(dots, ("soft", "ink"), strict=True))
     names: dict[str, list[str]] = {}
     reach, top = 3.0 * joint.max_speed, 3.0 * max(joint.peak, float(at_motor.max()))
-    lines = {}
+    lines: dict[str, Any] = {}
     others = joint.choices[1 : joint.feasible][:_CURVES], joint.choices[max(joint.feasible, 1) :][:_CURVES]
     for label, some, colour in (("others that suffice", others[0], "good"), ("do not suffice", others[1], "bad")):
         curves = [(_named(each), _curve(each, each.motor.peak_torque, reach, top)) for each in some]

@@ -1,8 +1,8 @@
-"""Which motors and gears of a catalogue suffice for a robot along its motions, joint by joint from the tips to the base.
+"""Which motors and gears of a catalogue suffice along motions of a robot, joint by joint from the tips to the base.
 
-At a motor `T = G J qdd + load / (G e^s)` (`loads.sizing.motor_torque`), for every motor, gear and ratio. Its mean square
-is a quadratic form of integrals along the motion. Its share of the peak curve is largest in few stretches of the motion:
-bounds of the others tell so without a look at their samples.
+At a motor `T = G J qdd + load / (G e^s)` (`loads.sizing.motor_torque`), for every motor, gear and ratio. Its mean
+square is a quadratic form of integrals along the motion. Its share of the peak curve is largest in few stretches of the
+motion: bounds of the others tell so without a look at their samples.
 """
 
 from __future__ import annotations
@@ -170,7 +170,7 @@ class Course:
         """Args: of each motion (N,) time, load [N m or N], and speed and acceleration of the joint."""
         _, self.load, self.qd, self.qdd = (np.concatenate(each) for each in zip(*parts, strict=True))
         self.sign, self.speed = np.sign(self.load) * np.sign(self.qd), np.abs(self.qd)
-        rows = []
+        rows: list[tuple[Any, ...]] = []
         for time, load, qd, a in parts:
             steps = 0.5 * np.diff(time)  # trapezoidal weights; one sample is its own mean
             w = np.append(steps, 0.0) + np.append(0.0, steps) if len(time) > 1 else np.ones(1)
@@ -178,8 +178,8 @@ class Course:
             by_sign = np.array([w * (s > 0), w * (s == 0), w * (s < 0)])
             travel, wear = float(w @ v), float(w @ (v * np.abs(load) ** 3))
             mean = (wear / travel) ** (1 / 3) if travel and len(time) > 1 else 0.0
-            rows.append((w @ (a * a), by_sign @ (a * load), by_sign @ (load * load), by_sign @ np.abs(load * v)))
-            rows[-1] += (travel, mean)
+            by_load = (by_sign @ (a * load), by_sign @ (load * load), by_sign @ np.abs(load * v))
+            rows.append((w @ (a * a), *by_load, travel, mean))
         squares, *vectors, speeds, means = zip(*rows, strict=True)
         self.squares, self.mean_speeds, self.cubic_mean = np.array(squares), np.array(speeds), max(means)
         self.cross, self.loads, self.powers = map(np.array, vectors)
@@ -191,7 +191,7 @@ class Course:
         """
         share = np.array([1.0 / e, np.ones_like(e), e])
         found = np.outer(self.squares, (G * J) ** 2) + self.cross @ share * (2.0 * J) + self.loads @ share**2 / (G * G)
-        return np.maximum(found, 0.0)
+        return np.asarray(np.maximum(found, 0.0))
 
     def gear_losses(self, e: Floats) -> Floats:
         """Return (motions, R) the mean power that gears lose: `L qd (1/e - 1)` driving, `L qd (1 - e)` driven [W]."""
@@ -210,7 +210,7 @@ class Course:
         return np.arange(0, len(self.load), max(16, -(-len(self.load) // _STRETCHES)))
 
     def peak_uses(self, peak: float | Curve, G: Floats, J: Floats, e: Floats) -> Floats:
-        """Return (R,) the largest `|T| / peak(G |qd|)` along the motions, for ratios G, inertias J and efficiencies e."""
+        """Return (R,) the largest `|T| / peak(G |qd|)` along the motions, for ratios, inertias and efficiencies."""
         ends = [bound.reduceat(x, self.starts) for x in (self.qdd, self.speed) for bound in (np.minimum, np.maximum)]
         loads = {x: self.shared(x) for x in dict.fromkeys(e.tolist())}
         bounds = {x: [f.reduceat(own, self.starts) for f in (np.minimum, np.maximum)] for x, own in loads.items()}
@@ -292,8 +292,8 @@ def size(
     """Return which motors, gears and ratios of a catalogue suffice for each joint along motions, ranked.
 
     The mass of a motor and its gear is a point at the origin of its joint, on the link before, and loads the joints
-    before: these are chosen from the tips to the base, until nothing changes. Rotors count at their own joints. What the
-    scene and the description say of rotors and motors of these joints is replaced, friction stays.
+    before: these are chosen from the tips to the base, until nothing changes. Rotors count at their own joints. What
+    the scene and the description say of rotors and motors of these joints is replaced, friction stays.
 
     Args:
         motions: of `robodyn.motion`, files or readers: peaks count over all, RMS and cubic mean of the worst.
@@ -339,9 +339,8 @@ def size(
         sweeps, changed = sweeps + 1, False
         for joint in order:
             moved = _moved(model, joint)
-            payloads = tuple(
-                masses[each.name] for each in sized if each.name in masses and masses[each.name].link in moved
-            )
+            loads = (masses[each.name] for each in sized if each.name in masses)
+            payloads = tuple(load for load in loads if load.link in moved)
             if joint.name in found and found[joint.name][0] == payloads:
                 continue
             changed = True
@@ -372,7 +371,7 @@ def size(
 def _catalogues(
     motors: Any, gears: Any, names: Sequence[str], by: str
 ) -> tuple[Sequence[CatalogueMotor], Sequence[CatalogueGear] | None, list[str]]:
-    """Return the rows of both catalogues and what is to be said of them; raise CatalogueError with the faults of both."""
+    """Return the rows of both catalogues, and notes on them; raise CatalogueError with the faults of both."""
     faults: list[InputError] = []
     notes: list[str] = []
     rows: list[Any] = [motors, gears]
@@ -401,8 +400,8 @@ def _catalogues(
 
 def _whole(model: Model, scene: Scene, motion: Motion, notes: list[str]) -> Trajectory:
     """Return all of a motion."""
-    path = isinstance(motion, (str, os.PathLike))
-    with read_motion(motion, model, scene) if path else nullcontext(motion) as reader:  # type: ignore[arg-type,attr-defined]
+    opened: Any = read_motion(motion, model, scene) if isinstance(motion, (str, os.PathLike)) else nullcontext(motion)
+    with opened as reader:
         file, blocks, values = getattr(reader, "file", None), [], 0
         for block in [reader] if isinstance(reader, Trajectory) else reader.blocks():
             refuse_units(block.caveats, file)

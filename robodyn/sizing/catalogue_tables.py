@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import math
-import os
 import re
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
@@ -59,8 +58,8 @@ class CatalogueMotor:
 
 @dataclass(frozen=True)
 class CatalogueGear:
-    """A gear of a catalogue, in one or more ratios: turns of the motor per turn of the joint; or a screw or a rack, which
-    moves a prismatic joint by its `lead` [m] per turn of the motor.
+    """A gear of a catalogue, in one or more ratios: turns of the motor per turn of the joint; or a screw or a rack,
+    which moves a prismatic joint by its `lead` [m] per turn of the motor.
 
     Attributes:
         peak_torque, average_torque: what it bears at its output, for moments and as cubic mean [N m, N].
@@ -94,8 +93,8 @@ class CatalogueError(InputError):
 
 
 class _Column(NamedTuple):
-    """A column: what its cells are, the units that its header may name with what they are in SI (the first without any),
-    whether a row must have it (a limit may be `UNKNOWN`), and from where on a number looks like another unit."""
+    """A column: what its cells are, the units that its header may name with what they are in SI (the first without
+    any), whether a row must have it (a limit may be `UNKNOWN`), and from where on a number looks like another unit."""
 
     cells: Literal["number", "curve", "numbers", "names", "text"]
     units: dict[str, float] = {}  # noqa: RUF012
@@ -243,7 +242,7 @@ class _Table:
             return self._curve(name, cell, speed, factor)
         value = self._number(name, cell)
         if value is not None and self.units[name] is None and value > known.doubtful:
-            unit, other = [*known.units][0], [*known.units][1]
+            unit, other, *_ = known.units
             doubt = f"line {self.line}: {name} {cell} is taken in {unit}; if it is not, name the unit in the header"
             self.notes.append(f"{doubt}: {name} [{other}]")
         return None if value is None else value * factor
@@ -376,7 +375,7 @@ M 200,0.21,0:0.67 3000:0.64 5000:0.48,0:2.0 3500:2.0 5000:1.2,5000,0.82,190,0.95
 M 400,0.39,0:1.35 3000:1.27 5000:0.90,0:4.0 3500:4.0 5000:2.2,5000,1.2,240,0.62,0.14
 M 750,1.4,0:2.55 3000:2.39 4500:1.7,0:7.6 3200:7.6 4500:4.4,4500,2.3,330,0.38,0.20
 M 1500,3.9,0:5.2 3000:4.77 4000:3.9,0:15 2800:15 4000:9.0,4000,4.4,520,0.21,0.29
-"""
+"""  # noqa: E501
 GEARS_TEMPLATE = """\
 # Gears, one a row, in one or several ratios; invented numbers, in the range of strain wave gears, planets and screws.
 # ratio: turns of the motor per turn of the joint, several between blanks; or lead [m, mm]: way of a screw per turn, of
