@@ -21,8 +21,8 @@ from robodyn.support.wording import alternatives, count, listed, shown
 
 UNKNOWN = "-"
 """In the cell of a limit that a data sheet does not tell: it is not judged."""
-_MOST_POINTS = 200
-"""Points of a curve."""
+_MOST_POINTS, _MOST_FAULTS = 200, 100
+"""Points of a curve, and faults of a table."""
 
 
 @dataclass(frozen=True)
@@ -172,7 +172,7 @@ class _Table:
         numbered = [(k, text) for k, text in enumerate(lines, 1) if text.strip() and not text.lstrip().startswith("#")]
         delimiter = next((mark for mark in ",;\t" if numbered and mark in numbered[0][1]), ",")
         seen: dict[str, int] = {}
-        names: list[str] = []
+        names, missing = list[str](), list[str]()
         for k, (self.line, text) in enumerate(numbered):
             try:
                 cells = [cell.strip() for cell in next(csv.reader([text], delimiter=delimiter, strict=True))]
@@ -180,22 +180,25 @@ class _Table:
                 self.fault(f"cannot be read: {error}", "close the quotes")
                 continue
             if k == 0:
-                names = self._header(cells)
+                names, missing = self._header(cells)
             elif len(cells) != len(names):
                 what = f"{count(len(cells), 'cell')} where the header names {count(len(names), 'column')}"
                 self.fault(what, "a cell for each column; points of a curve stand between blanks")
             else:
                 self.cells, before = dict(zip(names, cells, strict=True)), len(self.faults)
                 values = {name: self._value(name, self.columns[name]) for name in self.units}
-                first = seen.setdefault(values.get("name") or "", self.line)
-                if first != self.line and values["name"]:
-                    self.fault(f"{shown(values['name'])} is in line {first} too", "a name of its own for each", "name")
-                if len(self.faults) == before:
+                first = seen.setdefault(name := values.get("name") or "", self.line)
+                if first != self.line and name:
+                    self.fault(f"{shown(name)} is in line {first} too", "a name of its own for each", "name")
+                if len(self.faults) == before and self.units.keys() == {*names} and not missing:
                     yield values
+            if len(self.faults) > _MOST_FAULTS:
+                return self.fault("has more faults than are told at once", "put these right first")
         if not seen and not self.faults:
             self.fault(f"has no {self.what}", f"a header of {listed(self.columns)}, and a row for each below")
 
-    def _header(self, cells: Sequence[str]) -> list[str]:
+    def _header(self, cells: Sequence[str]) -> tuple[list[str], list[str]]:
+        """Return the names of columns, with units of those that are known, and those that are missing."""
         names = []
         for cell in cells:
             match = _HEADER.fullmatch(cell)
@@ -218,7 +221,7 @@ class _Table:
             missing.append("ratio")
         if missing:
             self.fault(f"no column {listed(missing)}", "add it; robodyn size --init writes a whole table")
-        return names
+        return names, missing
 
     def _value(self, name: str, known: _Column) -> Any:
         """Return what a cell says, None if nothing or nothing that can be: this is a fault."""

@@ -66,7 +66,9 @@ def drawn(a_model, count, ratios, seed=0, scale=20.0):
         lead = float(rng.uniform(0.003, 0.05)) if screw else None
         peak *= 20 if screw else 1
         limits = [None if rng.uniform() < 0.2 else x for x in (peak, 0.5 * peak, rng.uniform(200, 900))]
-        gears.append(CatalogueGear(f"g{k}", values, lead, rng.uniform(0.4, 1.0), *limits, 1e-5, rng.uniform(0.1, 1), 50.0))
+        gears.append(
+            CatalogueGear(f"g{k}", values, lead, rng.uniform(0.4, 1.0), *limits, 1e-5, rng.uniform(0.1, 1), 50.0)
+        )
     return motors, gears
 
 
@@ -213,7 +215,9 @@ def test_torques_judges_alike(name):
             rotors[joint.name] = robodyn.Rotor(each.motor.inertia + each.gear.inertia, each.ratio)
         nearest = {joint.name: joint.choices[0] for joint in found.joints}
         loads = [
-            robodyn.Payload(a_model.bodies[body.parent].name, nearest[body.joint.name].mass, tuple(body.joint.p.tolist()))
+            robodyn.Payload(
+                a_model.bodies[body.parent].name, nearest[body.joint.name].mass, tuple(body.joint.p.tolist())
+            )
             for body in a_model.bodies
             if body.joint.name in nearest
         ]
@@ -241,14 +245,19 @@ def test_the_scene_of_the_best_suffices(tmp_path):
     result = robodyn.torques(a_model, FOLDER / "puma560_sweep.csv", scene)
     assert [joint.level for joint in result.sizing.joints] == ["OK"] * 6
     for joint, own in zip(found.joints, result.sizing.joints, strict=True):
-        assert own.motor.rms == pytest.approx((1 - joint.best.margins["RMS torque"]) * own.motor.continuous_limit, rel=1e-9)
+        assert own.motor.rms == pytest.approx(
+            (1 - joint.best.margins["RMS torque"]) * own.motor.continuous_limit, rel=1e-9
+        )
 
 
 def test_masses_load_the_joints_before():
     """By Pinocchio, with the mass of each motor at the origin of its joint."""
     pytest.importorskip("pinocchio")
     a_model = robot("puma560")
-    only, scene = motions(a_model, 1)[0], robodyn.Scene(friction={name: robodyn.Friction() for name in a_model.joint_names})
+    only, scene = (
+        motions(a_model, 1)[0],
+        robodyn.Scene(friction={name: robodyn.Friction() for name in a_model.joint_names}),
+    )
     found = robodyn.size(a_model, only, *drawn(a_model, 20, 20), scene)
     peer = pin.buildModelFromUrdf(str(FOLDER / "puma560.urdf"))
     for joint in found.joints:
@@ -261,7 +270,9 @@ def test_masses_load_the_joints_before():
     for joint, load in zip(found.joints, np.abs(tau).max(axis=0), strict=True):
         assert joint.peak == pytest.approx(load, rel=1e-9)
     heavier = [joint.peak for joint in found.joints]
-    lighter = [joint.peak for joint in robodyn.size(a_model, only, *drawn(a_model, 20, 20), scene, masses_included=True).joints]
+    lighter = [
+        joint.peak for joint in robodyn.size(a_model, only, *drawn(a_model, 20, 20), scene, masses_included=True).joints
+    ]
     assert heavier[1] > 1.05 * lighter[1]
     assert heavier[-1] == lighter[-1]
 
@@ -295,7 +306,9 @@ def test_ranks_and_ties():
             assert values == sorted(values)
             assert not any(each.feasible for each in joint.choices[joint.feasible :])
             if by == "price":  # of equals the first in the catalogue
-                order = [(int(each.motor.name[1:]), int(each.gear.name[1:])) for each in joint.choices[: joint.feasible]]
+                order = [
+                    (int(each.motor.name[1:]), int(each.gear.name[1:])) for each in joint.choices[: joint.feasible]
+                ]
                 runs = {value: [at for at, own in zip(order, values, strict=True) if own == value] for value in values}
                 assert all(run == sorted(run) for run in runs.values())
 
