@@ -165,7 +165,7 @@ class _Table:
     def rows(self) -> Iterator[dict[str, Any]]:
         """Yield the values of each row by column, in SI, None where there is none; those with faults are left out."""
         try:
-            lines = self.data.decode("utf-8-sig").splitlines()
+            lines = self.data.decode("utf-8-sig").split("\n")
         except UnicodeDecodeError as error:
             self.line = self.data.count(b"\n", 0, error.start) + 1
             return self.fault("is not UTF-8 text", "save the table as CSV in UTF-8")

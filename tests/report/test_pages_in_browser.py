@@ -44,6 +44,7 @@ CALLS = MOTIONS | {
     "identify": "identify tx40.urdf log.parquet --cutoff 40",
     "accuracy": "accuracy meshes/bracket.stl --target 1e-6",
     "diff": "diff puma560.urdf puma.urdf",
+    "size": "size puma560.urdf puma560_sweep.csv --catalog motors.csv --gears gears.csv",
 }
 """Pages by name: the command, in which names of files are those of `robots/` and of the log of a TX40."""
 CLOCK = '[data-part="clock"]'
