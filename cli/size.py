@@ -55,7 +55,7 @@ def command(
 
     \b
     Examples:
-      robodyn size robots/puma560.urdf robots/puma560_sweep.csv --catalog robots/motors.csv --gears robots/gears.csv
+      robodyn size robots/puma560.urdf robots/puma560_sweep.csv --catalog robots/catalogue/motors.csv
       robodyn size robots/scara.urdf motion.csv --catalog motors.csv --gears gears.csv --init --report sizes.html
     """
     from robodyn.report.catalogue import size_json, size_page, size_sections

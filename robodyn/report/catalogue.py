@@ -13,7 +13,7 @@ from robodyn.report.charts import plane_chart
 from robodyn.report.sizes import speed_unit
 from robodyn.report.table import filled, first_names, number
 from robodyn.scene.scene import Curve
-from robodyn.sizing.catalogue import LIMITS, Catalogue, Choice, JointChoices
+from robodyn.sizing.catalogue import Catalogue, Choice, JointChoices
 from robodyn.support.floats import Floats
 from robodyn.support.wording import count
 
@@ -21,6 +21,8 @@ SHOWN = 3
 """Choices of each joint in text."""
 _CURVES, _STEPS = 10, 24
 """Candidates that suffice, and that do not, whose curves are drawn; and points of each."""
+_SHARES = ("speed", "input", "peak", "RMS", "gear peak", "gear mean", "of the ratio")
+"""As heads of columns, what `LIMITS` are."""
 _FIRST = {"mass": "lightest", "price": "cheapest", "loss": "least loss"}
 _UNITS = {"mass": "kg", "price": "in price", "loss": "W lost"}
 
@@ -31,9 +33,9 @@ def size_sections(found: Catalogue) -> Iterator[doc.Section]:
     for joint in found.joints:
         for k, each in enumerate(joint.choices[: min(SHOWN, joint.feasible)]):
             rows.append(["" if k else joint.name, *_row(each)])
-    head = ("joint", "motor", "gear", "ratio", "mass [kg]", "price", "loss [W]", *(f"{name} %" for name in LIMITS))
-    title = f"Motors and gears that suffice, {_FIRST[found.by]} first; shares of their limits"
-    yield [doc.Table(title, *filled((*head, "load / rotor inertia"), rows))] if rows else []
+    head = ("joint", "motor", "gear", "ratio", "mass [kg]", "price", "loss [W]", *_SHARES, "inertia ratio")
+    title = f"Motors and gears that suffice, {_FIRST[found.by]} first; shares of their limits in %"
+    yield [doc.Table(title, *filled(head, rows))] if rows else []
     rows = []
     for joint in found.joints:
         fails = ", ".join(f"{amount} by {name}" for name, amount in joint.ruled_out.items())

@@ -227,7 +227,7 @@ class _Table:
         """Return what a cell says, None if nothing or nothing that can be: this is a fault."""
         cell = self.cells[name]
         if known.cells == "names":
-            return tuple(cell.replace(UNKNOWN, "").split() if cell == UNKNOWN else cell.split())
+            return () if cell == UNKNOWN else tuple(cell.split())
         if not cell or (cell == UNKNOWN and not known.limit):
             if known.needed:
                 unsaid = ", or - if it is not known, which then is not judged" if known.limit else ""

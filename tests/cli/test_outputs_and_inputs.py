@@ -12,7 +12,7 @@ from pathlib import Path
 
 import click
 import pytest
-from helpers.command_line import motion, refused, run, write_arm
+from helpers.command_line import ROBOTS, motion, refused, run, write_arm
 from helpers.sampled import sampled
 
 from robodyn.cli.main import COMMANDS
@@ -105,7 +105,7 @@ def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     Path("log.csv").write_text(motion(10))
     Path("box.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n")
     for name in ("motors.csv", "gears.csv"):
-        Path(name).write_bytes((ROBOTS / name).read_bytes())
+        Path(name).write_bytes((ROBOTS / "catalogue" / name).read_bytes())
     Path("scene.toml").write_text("gravity = [0, 0, -9.81]\n")
     Path("settings.toml").write_text("[tool.robodyn.check]\nignore = []\n")
     Path("robodyn.toml").write_text("[tool.robodyn.check]\nignore = []\n")

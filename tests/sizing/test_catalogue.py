@@ -238,7 +238,13 @@ def test_torques_judges_alike(name):
 def test_the_scene_of_the_best_suffices(tmp_path):
     """For every joint, as `torques` reads it from the file that is written."""
     a_model = robot("puma560")
-    found = robodyn.size(a_model, FOLDER / "puma560_sweep.csv", FOLDER / "motors.csv", FOLDER / "gears.csv", by="loss")
+    found = robodyn.size(
+        a_model,
+        FOLDER / "puma560_sweep.csv",
+        FOLDER / "catalogue" / "motors.csv",
+        FOLDER / "catalogue" / "gears.csv",
+        by="loss",
+    )
     (tmp_path / "chosen.toml").write_text(found.toml)
     scene = robodyn.load_scene(tmp_path / "chosen.toml")
     assert replace(scene, motor=found.scene.motor, rotor=found.scene.rotor) == found.scene

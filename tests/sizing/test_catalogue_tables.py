@@ -174,7 +174,7 @@ def test_large_catalogues_are_refused(tmp_path, monkeypatch):
     with pytest.raises(InputError, match="too many bytes, at most 100 are read"):
         read_motors(str(tmp_path / "motors.csv"), ())
     monkeypatch.setenv("ROBODYN_LIMITS", "catalogue_pairs=100")
-    files = "--catalog", str(ROBOTS / "motors.csv"), "--gears", str(ROBOTS / "gears.csv")
+    files = "--catalog", str(ROBOTS / "catalogue" / "motors.csv"), "--gears", str(ROBOTS / "catalogue" / "gears.csv")
     assert "motors with gears in a ratio, at most 100 are read" in run("size", *PUMA, *files).err
 
 
@@ -210,7 +210,7 @@ def test_templates_run_and_are_those_of_robots(tmp_path):
         )
     for path, name in zip(files, ("motors.csv", "gears.csv"), strict=True):
         with open(path, encoding="utf-8") as stream:
-            assert stream.read() == (ROBOTS / name).read_text()
+            assert stream.read() == (ROBOTS / "catalogue" / name).read_text()
     again = run("size", *PUMA, "--catalog", files[0], "--init")
     assert again.status == 2
     assert "--init writes a new file, and this one is there already" in again.err
@@ -226,7 +226,7 @@ def test_nothing_suffices(tmp_path):
 
 
 def test_json(tmp_path):
-    files = "--catalog", str(ROBOTS / "motors.csv"), "--gears", str(ROBOTS / "gears.csv")
+    files = "--catalog", str(ROBOTS / "catalogue" / "motors.csv"), "--gears", str(ROBOTS / "catalogue" / "gears.csv")
     found = document("size", *PUMA, *files, "--by", "price", "--joints", "waist,elbow")
     assert [joint["name"] for joint in found["joints"]] == ["waist", "elbow"]
     for joint in found["joints"]:
