@@ -47,19 +47,10 @@ def size_sections(found: Catalogue) -> Iterator[doc.Section]:
 
 
 def _row(each: Choice) -> list[str]:
-    shares = ("" if x is None else f"{100.0 * (1.0 - x):.3g}" for x in each.margins.values())
-    price, loss = ("" if x is None else number(x) for x in (each.price, each.loss))
-    ratio = "" if each.inertia_ratio is None else f"{each.inertia_ratio:.3g}"
-    return [
-        each.motor.name,
-        each.gear.name or "-",
-        f"{each.ratio:.6g}",
-        f"{each.mass:.4g}",
-        price,
-        loss,
-        *shares,
-        ratio,
-    ]
+    shares = ("" if x is None else "0" if x > 1.0 - 1e-6 else f"{100.0 * (1.0 - x):.3g}" for x in each.margins.values())
+    known = ("" if x is None else number(x, 1.0) for x in (each.price, each.loss))
+    row = [each.motor.name, each.gear.name or "-", f"{each.ratio:.6g}", f"{each.mass:.4g}", *known, *shares]
+    return [*row, "" if each.inertia_ratio is None else f"{each.inertia_ratio:.3g}"]
 
 
 def _miss(joint: JointChoices) -> str:
@@ -77,10 +68,11 @@ def _named(each: Choice) -> str:
 
 def verdict(found: Catalogue) -> doc.Verdict:
     """Return whether every joint has a motor, what all weigh, cost and lose, and how the choice was made."""
+    if not found.converged:
+        return doc.Verdict("doubtful", "The choice does not settle", found.notes[-1:])
     lacking = [joint.name for joint in found.joints if joint.best is None]
     sweeps = count(found.sweeps, "sweep")
-    how = f"{sweeps} from the tips to the base, the last of which changed nothing"
-    reasons = (how if found.converged else f"{sweeps} from the tips to the base, which did not settle",)
+    reasons = (f"{sweeps} from the tips to the base, the last of which changed nothing",)
     if lacking:
         return doc.Verdict("bad", f"Nothing in the catalogue suffices for {first_names(lacking, 6)}", reasons)
     sums = [(found.total(name), unit) for name, unit in _UNITS.items()]
@@ -99,8 +91,8 @@ def size_page(found: Catalogue, pictures: bool = True) -> doc.Document:
 
 
 def _plane(joint: JointChoices) -> doc.Chart:
-    """Return torque over speed at a joint, up to three times its speed: its load, that of the best motor with its rotor,
-    and the curves of candidates, torques times and speeds over the ratio."""
+    """Return torque over speed at a joint, up to three times its speed: its load, that of the best motor with its
+    rotor, and the curves of candidates, torques times and speeds over the ratio."""
     speed, load, acceleration = joint.points
     pace, best = np.abs(speed), joint.choices[0]
     e, sign = best.gear.efficiency, np.sign(load) * np.sign(speed)

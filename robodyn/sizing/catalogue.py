@@ -131,7 +131,7 @@ class Catalogue:
 
     @property
     def feasible(self) -> bool:
-        return all(joint.best for joint in self.joints)
+        return self.converged and all(joint.best for joint in self.joints)
 
     def total(self, quantity: str) -> float | None:
         """Return the sum of mass, price or loss of the best of all joints; None if one is not known."""
@@ -388,6 +388,8 @@ def _catalogues(
     pairs = len(rows[0]) * (1 if rows[1] is None else sum(len(gear.ratios) for gear in rows[1]))
     if pairs > limits().catalogue_pairs:
         raise beyond("catalogue_pairs", f"{pairs} motors with gears in a ratio", InputError)
+    if by == "mass":
+        return rows[0], rows[1], notes
     column = "resistance" if by == "loss" else by
     silent = [row.name for some in rows for row in some or () if getattr(row, column, 0.0) is None]
     if len(silent) >= len(rows[0]) + (column == "price") * len(rows[1] or ()):
@@ -412,7 +414,10 @@ def _whole(model: Model, scene: Scene, motion: Motion, notes: list[str]) -> Traj
     if not blocks:
         raise InputError("the trajectory has no samples", file=file)
     whole = join(blocks)
-    said = (*(each.text for each in whole.caveats), *whole.notes)
+    said = [*(each.text for each in whole.caveats), *whole.notes]
+    if whole.derivation is not None:
+        derived = listed([each.name for each in whole.derivation.joints])
+        said.append(f"accelerations of {derived} are derived; robodyn torques tells how far off that may put torques")
     notes += [f"{file}: {each}" if file else each for each in said]
     return whole
 

@@ -71,7 +71,11 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
     @cache
     def page(name: str) -> Path:
         file = folder / f"{name}.html"
-        places = {each.name: each for room in (ROBOTS, ROBOTS / "meshes", ROBOTS / "catalogue", LOG) for each in room.iterdir()}
+        places = {
+            each.name: each
+            for room in (ROBOTS, ROBOTS / "meshes", ROBOTS / "catalogue", LOG)
+            for each in room.iterdir()
+        }
         words = [str(places.get(word.rpartition("/")[2], word)) for word in CALLS[name].split()]
         out = ("--out", str(file.with_suffix(".csv"))) if name in MOTIONS else ()
         outcome = run(*words, "--report", str(file), *out)

@@ -11,6 +11,7 @@ from helpers.example_robots import real
 from helpers.motions import waves
 from helpers.peers import pin
 from helpers.robot_files import FOLDER
+from helpers.small_robots import link
 from scipy.integrate import trapezoid
 
 import robodyn
@@ -33,8 +34,8 @@ def motions(a_model, count=2, rows=160):
 
 
 def drawn(a_model, count, ratios, seed=0, scale=20.0):
-    """A catalogue of so many motors and gears about the size that a robot takes: curves with and without bends, also such
-    as rise, unknown limits, screws and linear motors."""
+    """A catalogue of so many motors, and gears, about the size that a robot takes: curves with and without bends, also
+    such as rise, unknown limits, screws and linear motors."""
     rng = np.random.default_rng(seed)
 
     def curve(torque, speed):
@@ -122,13 +123,13 @@ def fitting(joint, motor, gears):
     return [(gear, ratio) for gear, ratio in both if bool(gear.lead) == slide]
 
 
-def brute(a_model, some_motions, motors, gears, scene=robodyn.Scene()):
+def brute(a_model, some_motions, motors, gears):
     """By joint from the tips to the base: every pair with its uses, and the lightest that suffices."""
     places = {body.joint.name: k for k, body in enumerate(a_model.bodies)}
     rotors = {joint.name: robodyn.Rotor(0.0, 1.0) for joint in a_model.independent}
     found, loads = {}, []
     for joint in sorted(a_model.independent, key=lambda each: -places[each.name]):
-        bare = replace(scene, rotor=rotors, payloads=tuple(loads))
+        bare = robodyn.Scene(rotor=rotors, payloads=tuple(loads))
         parts = []
         for each in some_motions:
             tau = robodyn.inverse_dynamics(a_model, each.q, each.qd, each.qdd, scene=bare)
@@ -337,3 +338,29 @@ def test_several_motions_count_at_their_worst():
     for k, joint in enumerate(found.joints):
         assert joint.peak == max(each.joints[k].peak for each in of_each)
         assert joint.rms == pytest.approx(max(each.joints[k].rms for each in of_each), rel=1e-12)
+
+
+def test_motors_that_load_each_other_by_mimicry(tmp_path):
+    """Two branches, each of which turns with the last joint of the other: sweeps go on until nothing changes."""
+    twin = {name: f'<mimic joint="{name}"/>' for name in ("k", "r")}
+    parts = [
+        ("m", "base", "a1", twin["r"]),
+        ("k", "a1", "a2", ""),
+        ("n", "base", "b1", twin["k"]),
+        ("r", "b1", "b2", ""),
+    ]
+    links = "".join(
+        link(name, 1.0, (0.15, 0, 0), (0.01, 0, 0, 0.01, 0, 0.01)) for name in ("base", "a1", "a2", "b1", "b2")
+    )
+    joints = "".join(
+        f'<joint name="{name}" type="continuous"><parent link="{parent}"/><child link="{child}"/><origin xyz="0.3 0 0"/>'
+        f'<axis xyz="0 1 0"/>{mimic}</joint>'
+        for name, parent, child, mimic in parts
+    )
+    (tmp_path / "twins.urdf").write_text(f'<robot name="twins">{links}{joints}</robot>')
+    a_model = robodyn.load(tmp_path / "twins.urdf")
+    only = waves(a_model, np.linspace(0.0, 2.0, 100))
+    found = robodyn.size(a_model, only, FOLDER / "catalogue" / "motors.csv", FOLDER / "catalogue" / "gears.csv")
+    assert found.converged
+    assert found.sweeps > 2
+    assert {joint.level for joint in robodyn.torques(a_model, only, found.scene).sizing.joints} == {"OK"}

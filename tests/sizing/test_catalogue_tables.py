@@ -1,4 +1,4 @@
-"""Catalogues as CSV: every fault is told with line, column and remedy, nothing is skipped, and no bytes bring it down."""
+"""Catalogues as CSV: every fault is told with line, column and remedy, nothing is skipped, nothing brings it down."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ def test_faulty_gears(line, tmp_path):
 
 
 HEADERS = {
-    "name,inertia,continuous_torque,peak_torque,max_speed": "no column 'mass' (add it; robodyn size --init writes a who",
+    "name,inertia,continuous_torque,peak_torque,max_speed": "no column 'mass' (add it; robodyn size --init writes",
     f"{MOTORS},massy": "unknown column 'massy' (did you mean 'mass'?)",
     f"{MOTORS},mass": "column 'mass' stands twice",
     MOTORS.replace(
@@ -194,12 +194,13 @@ def test_changed_bytes_are_faults_or_rows(seed, tmp_path):
             )
         path.write_bytes(bytes(data))
         try:
-            found, _ = read()
+            found, faults = read()[0], ()
         except CatalogueError as error:
-            assert all(fault.file == str(path) and fault.remedy for fault in error.faults)
-        else:
-            lines = data.decode().splitlines()
-            assert len(found) == sum(bool(line.strip()) and line.lstrip()[:1] != "#" for line in lines) - 1
+            found, faults = (), error.faults
+        assert all(fault.file == str(path) and fault.remedy for fault in faults)
+        lines = data.decode(errors="replace").split("\n")
+        rows = sum(bool(line.strip()) and line.lstrip()[:1] != "#" for line in lines) - 1
+        assert faults or len(found) == rows
 
 
 def test_templates_run_and_are_those_of_robots(tmp_path):
