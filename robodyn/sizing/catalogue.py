@@ -12,7 +12,6 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -170,6 +169,9 @@ class Course:
         """Args: of each motion (N,) time, load [N m or N], and speed and acceleration of the joint."""
         _, self.load, self.qd, self.qdd = (np.concatenate(each) for each in zip(*parts, strict=True))
         self.sign, self.speed = np.sign(self.load) * np.sign(self.qd), np.abs(self.qd)
+        N = len(self.load)
+        self.starts: Any = np.arange(0, N, max(16, int(min(N / _STRETCHES, N**0.5 / 2))))  # of stretches
+        self._bounds: dict[str | float, tuple[Floats, Floats]] = {}
         rows: list[tuple[Any, ...]] = []
         for time, load, qd, a in parts:
             steps = 0.5 * np.diff(time)  # trapezoidal weights; one sample is its own mean
@@ -204,24 +206,25 @@ class Course:
         found: Floats = self.load[at] * np.where(sign > 0, 1.0 / e, np.where(sign < 0, e, 1.0))
         return found
 
-    @cached_property
-    def starts(self) -> Any:
-        """Of stretches of equal length."""
-        return np.arange(0, len(self.load), max(16, -(-len(self.load) // _STRETCHES)))
+    def bounds(self, what: str | float) -> tuple[Floats, Floats]:
+        """Return the least and the largest of each stretch, of an attribute or of `L / e^s` by e."""
+        if what not in self._bounds:
+            values = getattr(self, what) if isinstance(what, str) else self.shared(what)
+            self._bounds[what] = np.minimum.reduceat(values, self.starts), np.maximum.reduceat(values, self.starts)
+        return self._bounds[what]
 
     def peak_uses(self, peak: float | Curve, G: Floats, J: Floats, e: Floats) -> Floats:
         """Return (R,) the largest `|T| / peak(G |qd|)` along the motions, for ratios, inertias and efficiencies."""
-        ends = [bound.reduceat(x, self.starts) for x in (self.qdd, self.speed) for bound in (np.minimum, np.maximum)]
-        loads = {x: self.shared(x) for x in dict.fromkeys(e.tolist())}
-        bounds = {x: [f.reduceat(own, self.starts) for f in (np.minimum, np.maximum)] for x, own in loads.items()}
+        slow, fast = self.bounds("speed")
+        least_a, most_a = self.bounds("qdd")
         size = int(self.starts[1]) if len(self.starts) > 1 else len(self.load)
         step = max(1, _CELLS // max(size, len(self.starts)))
         found, least = np.zeros(len(G)), LEAST * max(y for _, y in points(peak))
         for begin in range(0, len(G), step):
             g, j, some = G[begin : begin + step, None], J[begin : begin + step, None], e[begin : begin + step]
-            low, high = (np.array([bounds[x][k] for x in some.tolist()]) for k in (0, 1))
-            most = np.maximum(np.abs(g * j * ends[1] + high / g), np.abs(g * j * ends[0] + low / g))
-            bound = most / np.maximum(_least_allowed(peak, g * ends[2], g * ends[3]), least)
+            low, high = np.array([self.bounds(x) for x in some.tolist()]).transpose(1, 0, 2)
+            most = np.maximum(np.abs(g * j * most_a + high / g), np.abs(g * j * least_a + low / g))
+            bound = most / np.maximum(_least_allowed(peak, g * slow, g * fast), least)
             best, rows = found[begin : begin + step], np.arange(len(g))
             while len(rows):  # those of which a stretch may have more than was found so far
                 stretch = bound[rows].argmax(axis=1)

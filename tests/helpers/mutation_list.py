@@ -186,7 +186,7 @@ PIECES = {
         ("1.0 / e - 1.0", "1.0 - e"),
         ("(wear / travel) ** (1 / 3)", "wear / travel"),
         ("load.link in moved", "load.link not in moved"),
-        ("np.abs(g * j * ends[0] + low / g)", "np.abs(g * j * ends[1] + low / g)"),
+        ("np.abs(g * j * least_a + low / g)", "np.abs(g * j * most_a + low / g)"),
         ("np.minimum(allowed(torque, low), allowed(torque, high))", "allowed(torque, low)"),
         ("body.parent in moved", "False"),
     ],
