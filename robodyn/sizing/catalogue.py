@@ -88,7 +88,7 @@ class JointChoices:
 
     name: str
     unit: str
-    choices: tuple[Choice, ...]
+    choices: tuple[Choice, ...] = field(repr=False)
     ruled_out: Mapping[str, int]
     peak: float
     rms: float
@@ -513,13 +513,11 @@ def _said(found: Sequence[JointChoices], joints: Sequence[Joint]) -> list[str]:
     """Return what the choice rests on."""
     lines = []
     for each, joint in zip(found, joints, strict=True):
-        limit, fast, best = binding(joint.effort), binding(joint.velocity), each.best
+        limit, best = binding(joint.effort), each.best
         _, load, acceleration = each.points
         most = max(each.peak, float(np.abs(best.ratio**2 * best.inertia * acceleration + load).max()) if best else 0.0)
         if limit is not None and most > BEYOND * limit:
             lines.append(f"{each.name} takes {figure(most)} {each.unit}, above its effort limit of {limit:g}")
-        if fast is not None and each.max_speed > BEYOND * fast:
-            lines.append(f"{each.name} moves at {figure(each.max_speed)}, above its velocity limit of {fast:g}")
         if not each.choices:
             lines.append(f"{each.name}: the catalogue has no motor and gear that fit this joint")
         elif not best:
