@@ -161,6 +161,11 @@ class _Table:
     def fault(self, what: str, remedy: str, column: str = "") -> None:
         where = f"column {shown(column)}: " if column else ""
         self.faults.append(InputError(f"{where}{what}", remedy=remedy, file=self.file, line=self.line))
+        if len(self.faults) == _MOST_FAULTS:
+            more = InputError(
+                "the rest is not read", remedy="put these faults right first", file=self.file, line=self.line
+            )
+            raise CatalogueError([*self.faults, more])
 
     def rows(self) -> Iterator[dict[str, Any]]:
         """Yield the values of each row by column, in SI, None where there is none; those with faults are left out."""
@@ -177,7 +182,7 @@ class _Table:
             try:
                 cells = [cell.strip() for cell in next(csv.reader([text], delimiter=delimiter, strict=True))]
             except csv.Error as error:
-                self.fault(f"cannot be read: {error}", "close the quotes")
+                self.fault(f"cannot be read: {error}", "see that quotes are closed and cells short")
                 continue
             if k == 0:
                 names, missing = self._header(cells)
@@ -192,8 +197,6 @@ class _Table:
                     self.fault(f"{shown(name)} is in line {first} too", "a name of its own for each", "name")
                 if len(self.faults) == before and self.units.keys() == {*names} and not missing:
                     yield values
-            if len(self.faults) > _MOST_FAULTS:
-                return self.fault("has more faults than are told at once", "put these right first")
         if not seen and not self.faults:
             self.fault(f"has no {self.what}", f"a header of {listed(self.columns)}, and a row for each below")
 

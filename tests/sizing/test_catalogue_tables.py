@@ -178,6 +178,16 @@ def test_large_catalogues_are_refused(tmp_path, monkeypatch):
     assert "motors with gears in a ratio, at most 100 are read" in run("size", *PUMA, *files).err
 
 
+@pytest.mark.parametrize(
+    ("header", "row"),
+    [("x," * 1_000_000, ""), (GEARS, f"a,{'x ' * 60_000},-,1,1,1,1,1,1"), (GEARS, "\n".join(["a"] * 1_000_000))],
+)
+def test_faults_beyond_a_hundred_are_not_read(header, row, tmp_path):
+    with pytest.raises(CatalogueError, match="and 100 more faults") as error:
+        gears(tmp_path, row, header=header)
+    assert error.value.faults[-1].what == "the rest is not read"
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_changed_bytes_are_faults_or_rows(seed, tmp_path):
     """Whatever is changed, it is told or read; no row is lost."""
