@@ -186,6 +186,8 @@ class _Table:
                 continue
             if k == 0:
                 names, missing = self._header(cells)
+                if not self.units:
+                    return  # it is no catalogue
             elif len(cells) != len(names):
                 what = f"{count(len(cells), 'cell')} where the header names {count(len(names), 'column')}"
                 self.fault(what, "a cell for each column; points of a curve stand between blanks")

@@ -361,3 +361,20 @@ def test_motors_that_load_each_other_by_mimicry(tmp_path):
     assert found.converged
     assert found.sweeps > 2
     assert {joint.level for joint in robodyn.torques(a_model, only, found.scene).sizing.joints} == {"OK"}
+
+
+def test_mean_squares_by_their_integrals():
+    """Within 1e-12 of the larger of the rotor's and the load's part, also where these cancel."""
+    rng = np.random.default_rng(7)
+    time = np.cumsum(rng.uniform(0.5, 1.5, 300))
+    load, qd, qdd = rng.normal(size=(3, 300))
+    course = Course([(time, load, qd, qdd), (time[:50], load[:50], qd[:50], -load[:50])])
+    G, J, e = rng.uniform(1, 100, 30), 10 ** rng.uniform(-6, -2, 30), rng.uniform(0.3, 1, 30)
+    J[0], e[0] = 1 / G[0] ** 2, 1.0  # cancels in the second motion
+    found = course.mean_squares(G, J, e)
+    for k, (L, v, a) in enumerate(((load, qd, qdd), (load[:50], qd[:50], -load[:50]))):
+        for r in range(30):
+            own = L / G[r] * np.where(L * v > 0, 1 / e[r], e[r])
+            rotor, span = G[r] * J[r] * a, time[len(L) - 1] - time[0]
+            expected, *parts = (trapezoid(x * x, time[: len(L)]) / span for x in (own + rotor, own, rotor))
+            assert abs(found[k, r] - expected) <= 1e-12 * max(parts)
