@@ -8,18 +8,11 @@ from typing import Any
 import click
 
 from robodyn.cli.files import check_names, robot_in_scene
-from robodyn.cli.options import FORMAT, PATH, POSITIVE, REPORT, SCENE, TABLE_OUT, VALUES, Call, Parsed, option, takes
+from robodyn.cli.options import FORMAT, NAMES, PATH, POSITIVE, REPORT, SCENE, TABLE_OUT, VALUES, Call, option, takes
 from robodyn.cli.screen import answer, write_table
 from robodyn.identification.excitation.excite import HARMONICS, PERIOD, RATE, excite
 from robodyn.report.identification import excitation_json, excitation_page, excitation_sections
 from robodyn.trajectory.write import format_of
-
-
-def _names(text: str) -> tuple[str, ...]:
-    names = tuple(name.strip() for name in text.split(","))
-    if not all(names):
-        raise ValueError(f"{text!r} is not names between commas, such as shoulder,elbow")
-    return names
 
 
 @click.command("excite", short_help="Find a motion that shows a robot's parameters.")
@@ -29,7 +22,7 @@ def _names(text: str) -> tuple[str, ...]:
     option("--period S", f"s, of the motion; default {PERIOD:g}.", POSITIVE, default=PERIOD),
     option("--harmonics N", f"Of its series; default {HARMONICS}.", int, default=HARMONICS),
     option("--rate HZ", f"Rows per second; default {RATE:g}.", POSITIVE, default=RATE),
-    option("--joints A,B", "That move; default all.", Parsed("joints", _names), default=()),
+    option("--joints A,B", "That move; default all.", NAMES, default=()),
     option("--max-acceleration A", "rad/s^2; default speed limit / 0.25 s.", POSITIVE),
     option("--noise N", "N m, of torques; or JOINT=N,...; default 1% of effort limits.", VALUES),
     option("--seed N", "Of where the search begins.", click.IntRange(min=0), default=0),

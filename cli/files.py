@@ -137,6 +137,7 @@ _OURS = {
     "a result of a batch": rb'"digest": "[0-9a-f]{40}"',
     "a calibrated description": rb"identified by robodyn",
     "a scene that was identified": rb"\A# identified by robodyn",
+    "a scene of chosen motors": rb"\A# motors chosen by robodyn",
     "a covariance": rb'\A\{"parameters"',
     "source code": rb"written by robodyn",
     "a converted description": rb"converted by robodyn",

@@ -17,7 +17,7 @@ from robodyn.support.wording import alternatives
 
 COMMANDS = (
     *("torques", "simulate", "inertia", "check", "fbd", "equations", "linearize", "export", "excite"),
-    *("identify", "scene", "info", "view", "diff", "convert", "accuracy", "rule", "doctor", "lsp"),
+    *("identify", "size", "scene", "info", "view", "diff", "convert", "accuracy", "rule", "doctor", "lsp"),
 )
 
 

@@ -247,6 +247,13 @@ def _at(text: str) -> list[float] | dict[str, float]:
     raise ValueError(f"{text!r} is neither numbers (0.1,-0.2) nor joints (elbow=0.1,wrist=-0.2)")
 
 
+def _names(text: str) -> tuple[str, ...]:
+    names = tuple(name.strip() for name in text.split(","))
+    if not all(names):
+        raise ValueError(f"{text!r} is not names between commas, such as shoulder,elbow")
+    return names
+
+
 def _payload(text: str) -> Payload:
     from robodyn.scene.scene import Payload
 
@@ -299,7 +306,9 @@ def _report(path: str) -> str:
 
 PATH, FOLDER, FOLDER_THERE = Parsed("file"), Parsed("dir"), Parsed("dir", _folder)
 TABLE_OUT, SCENE_OUT = Output("a table"), Output("a scene that was identified")
+MOTORS_OUT = Output("a scene of chosen motors")
 URDF_OUT, COVARIANCE_OUT = Output("a calibrated description"), Output("a covariance")
+NAMES = Parsed("joints", _names)
 POSITIVE, POINT, VALUES = Parsed("number", _positive), Parsed("point", _point), Parsed("at", _at)
 DESCRIPTION = together(
     option("--package-path DIR*", "Where packages are looked for first; repeatable.", FOLDER_THERE, "package_paths"),

@@ -47,6 +47,10 @@ class InputLimits:
     """Depth of lists and tables within each other, in YAML and TOML: parts of a dotted key, too."""
     toml_bytes: int = 1 << 20
     """Bytes of a scene or of settings, in TOML."""
+    catalogue_bytes: int = 1 << 23
+    """Bytes of a catalogue of motors or gears."""
+    catalogue_pairs: int = 1_000_000
+    """Motors of a catalogue times gears in a ratio."""
     table_columns: int = 10_000
     """Columns of a table of any format."""
     name_characters: int = 4096

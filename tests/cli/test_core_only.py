@@ -36,6 +36,7 @@ WORKS = (
     "scene init scara.urdf --out {out}/scene.toml",
     "info scara.urdf",
     "diff puma560.urdf puma.urdf",
+    "size puma560.urdf puma560_sweep.csv --catalog catalogue/motors.csv --scene-out {out}/chosen.toml",
     "convert scara.urdf --to mjcf --out {out}/scara.xml",
     "accuracy meshes/hub.stl",
     "accuracy two_link_planar.urdf two_link_planar_swing_down.toml --duration 0.01",

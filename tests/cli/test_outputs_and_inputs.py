@@ -12,7 +12,7 @@ from pathlib import Path
 
 import click
 import pytest
-from helpers.command_line import motion, refused, run, write_arm
+from helpers.command_line import ROBOTS, motion, refused, run, write_arm
 from helpers.sampled import sampled
 
 from robodyn.cli.main import COMMANDS
@@ -33,6 +33,7 @@ ARGUMENTS = {
     "info": ["arm.urdf"],
     "view": ["arm.urdf", "arm.csv"],
     "diff": ["arm.urdf", "arm.urdf"],
+    "size": ["arm.urdf", "arm.csv", "--catalog", "motors.csv"],
     "accuracy": ["arm.urdf", "arm.csv"],
     "scene init": ["arm.urdf"],
 }
@@ -45,6 +46,8 @@ READ = {
     "--baseline": "base.json",
     "--validate": "log.csv",
     "--map": "map.toml",
+    "--catalog": "motors.csv",
+    "--gears": "gears.csv",
 }
 BESIDE = {"fbd": {"--traj": ["--time", "0"]}}
 """What else an option asks for."""
@@ -54,6 +57,7 @@ SUFFIX = {
     "a report": ".md",
     "a calibrated description": ".urdf",
     "a scene that was identified": ".toml",
+    "a scene of chosen motors": ".toml",
     "a covariance": ".json",
     "source code": ".c",
     "a converted description": ".xml",
@@ -69,6 +73,7 @@ RESULTS = (
     "export arm.urdf --to c --out arm.c",
     "convert arm.urdf --to mjcf --out arm.xml",
     "linearize arm.urdf --out linear.npz",
+    "size arm.urdf arm.csv --catalog motors.csv --scene-out chosen.toml",
     "fbd arm.urdf --svg drawings",
     "check arm.urdf --also sarif=found.sarif --also text=found.txt --also junit=found.xml --also short=short.txt",
 )
@@ -99,6 +104,8 @@ def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     Path("log.csv").write_text(motion(10))
     Path("box.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n")
+    for name in ("motors.csv", "gears.csv"):
+        Path(name).write_bytes((ROBOTS / "catalogue" / name).read_bytes())
     Path("scene.toml").write_text("gravity = [0, 0, -9.81]\n")
     Path("settings.toml").write_text("[tool.robodyn.check]\nignore = []\n")
     Path("robodyn.toml").write_text("[tool.robodyn.check]\nignore = []\n")

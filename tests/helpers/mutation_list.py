@@ -181,6 +181,20 @@ PIECES = {
         ("execute(lost, sources, whole).values[:, 0]", "-execute(lost, sources, whole).values[:, 0]")
     ],
     ("loads/test_self_checks.py", "dynamics/effects/forces.py"): [("_positive(x)", "x")],
+    ("sizing/test_catalogue.py", "sizing/catalogue.py"): [
+        ("np.outer(self.squares, (G * J) ** 2)", "np.outer(self.squares, G * J)"),
+        ("1.0 / e - 1.0", "1.0 - e"),
+        ("(wear / travel) ** (1 / 3)", "wear / travel"),
+        ("load.link in moved", "load.link not in moved"),
+        ("np.abs(g * j * least_a + low / g)", "np.abs(g * j * most_a + low / g)"),
+        ("np.minimum(allowed(torque, low), allowed(torque, high))", "allowed(torque, low)"),
+        ("body.parent in moved", "False"),
+    ],
+    ("sizing/test_catalogue_tables.py", "sizing/catalogue_tables.py"): [
+        ("value * factor", "value"),
+        ("end * BEYOND < fast", "False"),
+        ("torque > limit * BEYOND", "torque > speed"),
+    ],
     ("loads/test_sizing_report.py", "loads/sizing.py"): [
         ("tau - (train.gear * train.gear * train.inertia) * qdd", "tau"),
         ("(train.gear * train.inertia) * qdd + load * share / train.gear", "load * share / train.gear"),

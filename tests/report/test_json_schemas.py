@@ -24,6 +24,7 @@ COMMANDS = (
     ("check", "check robots/puma560.urdf robots/scara.urdf"),
     ("info", "info robots/gripper.urdf"),
     ("diff", "diff robots/puma560.urdf robots/puma.urdf"),
+    ("size", "size robots/scara.urdf robots/scara_pick_and_place.csv --catalog robots/catalogue/motors.csv"),
     ("fbd", "fbd robots/scara.urdf --at 0.3,-0.5,0.05 --qdd elbow=2"),
     ("equations", "equations robots/puma560.urdf"),
     ("equations_closed", "equations robots/two_link_planar.urdf --form closed"),

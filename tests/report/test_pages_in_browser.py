@@ -44,6 +44,7 @@ CALLS = MOTIONS | {
     "identify": "identify tx40.urdf log.parquet --cutoff 40",
     "accuracy": "accuracy meshes/bracket.stl --target 1e-6",
     "diff": "diff puma560.urdf puma.urdf",
+    "size": "size puma560.urdf puma560_sweep.csv --catalog motors.csv --gears gears.csv",
 }
 """Pages by name: the command, in which names of files are those of `robots/` and of the log of a TX40."""
 CLOCK = '[data-part="clock"]'
@@ -70,7 +71,11 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
     @cache
     def page(name: str) -> Path:
         file = folder / f"{name}.html"
-        places = {each.name: each for room in (ROBOTS, ROBOTS / "meshes", LOG) for each in room.iterdir()}
+        places = {
+            each.name: each
+            for room in (ROBOTS, ROBOTS / "meshes", ROBOTS / "catalogue", LOG)
+            for each in room.iterdir()
+        }
         words = [str(places.get(word.rpartition("/")[2], word)) for word in CALLS[name].split()]
         out = ("--out", str(file.with_suffix(".csv"))) if name in MOTIONS else ()
         outcome = run(*words, "--report", str(file), *out)

@@ -1,0 +1,247 @@
+"""Catalogues as CSV: every fault is told with line, column and remedy, nothing is skipped, nothing brings it down."""
+
+from __future__ import annotations
+
+import random
+
+import numpy as np
+import pytest
+from helpers.command_line import ROBOTS, document, run, shown
+
+from robodyn.errors import InputError
+from robodyn.sizing.catalogue_tables import (
+    GEARS_TEMPLATE,
+    MOTORS_TEMPLATE,
+    CatalogueError,
+    read_gears,
+    read_motors,
+)
+
+MOTORS = "name,inertia,continuous_torque,peak_torque,max_speed,mass"
+GEARS = "name,ratio,lead,efficiency,peak_torque,average_torque,max_input_speed,inertia,mass"
+GOOD = "a,1e-5,1,3,300,2"
+PUMA = str(ROBOTS / "puma560.urdf"), str(ROBOTS / "puma560_sweep.csv")
+
+
+def motors(folder, *lines, header=MOTORS):
+    (folder / "motors.csv").write_text("\n".join([header, *lines]) + "\n")
+    return read_motors(str(folder / "motors.csv"), ["waist", "elbow"])
+
+
+def gears(folder, *lines, header=GEARS):
+    (folder / "gears.csv").write_text("\n".join([header, *lines]) + "\n")
+    return read_gears(str(folder / "gears.csv"))
+
+
+FAULTY_MOTORS = {
+    "b,1e-5,4,3,300,2": ("continuous_torque", "allows 4 at 0 rad/s, and peak_torque 3"),
+    "b,1e-5,0:1 300:1,0:3 200:0.5 300:0.2,300,2": ("continuous_torque", "allows 1 at 300 rad/s, and peak_torque 0.2"),
+    "b,1e-5,1,3,300,-2": ("mass", "is -2 (it is positive or zero)"),
+    "b,-1e-5,1,3,300,2": ("inertia", "is -1e-5"),
+    "b,1e-5,1,0,300,2": ("peak_torque", "is 0 (it is positive)"),
+    "b,1e-5,1,nan,300,2": ("peak_torque", "'nan' is not a number"),
+    "b,1e-5,1,1e400,300,2": ("peak_torque", "'1e400' is not a number"),
+    "b,1e-5,1,3 N m,300,2": ("peak_torque", "'3 N m' is not a number"),
+    "b,1_0,1,3,300,2": ("inertia", "'1_0' is not a number"),
+    'b,1e-5,1,"3,5",300,2': ("peak_torque", "'3,5' is not a number (write decimals with a point)"),
+    "b,1e-5,1,,300,2": ("peak_torque", "is empty (write it, or - if it is not known, which then is not judged)"),
+    "b,-,1,3,300,2": ("inertia", "is not known (write it)"),
+    "b,1e-5,1,3,-,2": ("max_speed", "is not known (write it, or peak_torque as a curve that ends there)"),
+    "b,1e-5,1,0:3 200:2,300,2": ("peak_torque", "the curve ends at 200 rad/s, max_speed is 300 rad/s"),
+    "b,1e-5,1,0:3 3000:2,300,2": ("peak_torque", "the curve ends at 3000 rad/s, max_speed is 300 rad/s (name the unit"),
+    "b,1e-5,1,0:3 0:2,300,2": ("peak_torque", "the speeds of '0:3 0:2' do not increase"),
+    "b,1e-5,1,0:3:4,300,2": ("peak_torque", "'0:3:4' is no point of a curve (points are speed:torque"),
+    "b,1e-5,1,0:0 300:0,300,2": ("peak_torque", "the torques of '0:0 300:0' are all 0"),
+    "b,1e-5,1,0:-3 300:1,300,2": ("peak_torque", "is -3"),
+    "a,1e-5,1,3,300,2": ("name", "'a' is in line 2 too"),
+    ",1e-5,1,3,300,2": ("name", "is empty"),
+}
+FAULTY_GEARS = {
+    "b,50,-,85,10,5,600,0,1": ("efficiency", "is 85 (a share above 0 and up to 1, or efficiency [%])"),
+    "b,50,-,0.8,10,50,600,0,1": ("average_torque", "is 50 N m, and peak_torque 10 (are they swapped?)"),
+    "b,50,0.01,0.8,10,5,600,0,1": ("ratio", "and lead are both given"),
+    "b,-,-,0.8,10,5,600,0,1": ("ratio", "and lead are both empty"),
+    "b,50 0,-,0.8,10,5,600,0,1": ("ratio", "is 0"),
+    "b,50 50,-,0.8,10,5,600,0,1": ("ratio", "'50 50' has a number twice"),
+    "b,50 x,-,0.8,10,5,600,0,1": ("ratio", "'x' is not a number"),
+}
+
+
+@pytest.mark.parametrize("line", FAULTY_MOTORS)
+def test_faulty_motors(line, tmp_path):
+    with pytest.raises(CatalogueError) as error:
+        motors(tmp_path, GOOD, "", "# c", line)
+    column, what = FAULTY_MOTORS[line]
+    assert str(error.value).startswith(f"{tmp_path}/motors.csv:5: column '{column}': {what}"), error.value
+    assert len(error.value.faults) == 1
+
+
+@pytest.mark.parametrize("line", FAULTY_GEARS)
+def test_faulty_gears(line, tmp_path):
+    with pytest.raises(CatalogueError) as error:
+        gears(tmp_path, "a,50,-,0.8,10,5,600,0,1", line)
+    column, what = FAULTY_GEARS[line]
+    assert str(error.value).startswith(f"{tmp_path}/gears.csv:3: column '{column}': {what}"), error.value
+
+
+HEADERS = {
+    "name,inertia,continuous_torque,peak_torque,max_speed": "no column 'mass' (add it; robodyn size --init writes",
+    f"{MOTORS},massy": "unknown column 'massy' (did you mean 'mass'?)",
+    f"{MOTORS},mass": "column 'mass' stands twice",
+    MOTORS.replace(
+        "inertia", "inertia [lb ft^2]"
+    ): "column 'inertia': unknown unit 'lb ft^2' (units: 'kg m^2', 'kg cm^2'",
+    MOTORS.replace("peak_torque", "peak_torque [rpm:lb]"): "column 'peak_torque': unknown unit 'rpm:lb' (units: 'N m'",
+    MOTORS.replace("mass", "mass [rpm:kg]"): "column 'mass': unknown unit 'rpm:kg'",
+}
+
+
+@pytest.mark.parametrize("header", HEADERS)
+def test_faulty_headers(header, tmp_path):
+    with pytest.raises(CatalogueError) as error:
+        motors(tmp_path, ",".join("1" * (header.count(",") + 1)), header=header)
+    assert f"motors.csv:1: {HEADERS[header]}" in str(error.value.faults[0])
+
+
+def test_all_faults_of_both_tables_are_told(tmp_path):
+    (tmp_path / "m.csv").write_text(f"{MOTORS}\na,1e-5,1,3,300\nb,x,1,3,300,y\n" + 'c,"1,1,1,3,2\n')
+    (tmp_path / "g.csv").write_text(f"{GEARS}\ng,50,-,1.2,10,50,600,0,1\n")
+    outcome = run("size", *PUMA, "--catalog", str(tmp_path / "m.csv"), "--gears", str(tmp_path / "g.csv"))
+    assert (outcome.status, outcome.out) == (2, "")
+    lines = [line.partition(f"error: {tmp_path}/")[2] for line in outcome.err.splitlines()]
+    assert [line[:40] for line in lines] == [
+        "m.csv:2: 5 cells where the header names ",
+        "m.csv:3: column 'inertia': 'x' is not a ",
+        "m.csv:3: column 'mass': 'y' is not a num",
+        "m.csv:4: cannot be read: unexpected end ",
+        "g.csv:2: column 'efficiency': is 1.2 (a ",
+        "g.csv:2: column 'average_torque': is 50 ",
+    ]
+    assert all(line.endswith(")") for line in lines)  # with a remedy
+
+
+def test_units(tmp_path):
+    header = (
+        "name;inertia [g cm^2];continuous_torque [mN m];peak_torque [rpm:mN m];max_speed [rpm];mass [g];price [EUR]"
+    )
+    (motor,), notes = motors(tmp_path, "M;12;80;0:250 6000:120;6000;160;95", header=header)
+    assert motor.inertia == pytest.approx(1.2e-6)
+    assert motor.continuous_torque == pytest.approx(0.08)
+    assert np.allclose(motor.peak_torque, ((0.0, 0.25), (200 * np.pi, 0.12)))
+    assert (motor.max_speed, motor.mass, motor.price) == pytest.approx((200 * np.pi, 0.16, 95.0))
+    assert notes == ()
+    (gear,), _ = gears(
+        tmp_path,
+        "s,-,10,90,10,5,3000,0.1,1",
+        header=GEARS.replace("lead", "lead [mm]")
+        .replace("efficiency", "efficiency [%]")
+        .replace("input_speed", "input_speed [rpm]"),
+    )
+    assert gear.ratios == pytest.approx((200 * np.pi,))
+    assert (gear.efficiency, gear.max_input_speed) == pytest.approx((0.9, 100 * np.pi))
+
+
+def test_doubtful_units_and_what_is_not_judged_are_told(tmp_path):
+    _, notes = motors(tmp_path, "a,1e-5,1,3,3000,2", "b,50,-,3,300,2", "c,1e-5,-,3,300,2")
+    place = f"{tmp_path}/motors.csv: "
+    assert notes == (
+        f"{place}line 2: max_speed 3000 is taken in rad/s; if it is not, name the unit in the header: max_speed [rpm]",
+        f"{place}line 3: inertia 50 is taken in kg m^2; if it is not, name the unit in the header: inertia [kg cm^2]",
+        f"{place}continuous_torque of 'b', 'c' not known, and not judged",
+    )
+    assert motors(tmp_path, "a,1e-5,1,3,3000,2", header=MOTORS.replace("max_speed", "max_speed [rad/s]"))[1] == ()
+
+
+def test_joints_of_another_robot(tmp_path):
+    with pytest.raises(
+        CatalogueError, match=r"motors.csv:2: column 'joints': there is no joint 'elbw' \(did you mean 'el"
+    ):
+        motors(tmp_path, f"{GOOD},waist elbw", header=f"{MOTORS},joints")
+
+
+@pytest.mark.parametrize(
+    "data", [b"", b"\n# only a comment\n", b"\xff\xfea\x00", b"\0\0", MOTORS.encode(), b"name\n\xe9\n"]
+)
+def test_no_table(data, tmp_path):
+    (tmp_path / "motors.csv").write_bytes(data)
+    with pytest.raises(InputError):
+        read_motors(str(tmp_path / "motors.csv"), ())
+
+
+def test_large_catalogues_are_refused(tmp_path, monkeypatch):
+    (tmp_path / "motors.csv").write_text(MOTORS_TEMPLATE)
+    monkeypatch.setenv("ROBODYN_LIMITS", "catalogue_bytes=100")
+    with pytest.raises(InputError, match="too many bytes, at most 100 are read"):
+        read_motors(str(tmp_path / "motors.csv"), ())
+    monkeypatch.setenv("ROBODYN_LIMITS", "catalogue_pairs=100")
+    files = "--catalog", str(ROBOTS / "catalogue" / "motors.csv"), "--gears", str(ROBOTS / "catalogue" / "gears.csv")
+    assert "motors with gears in a ratio, at most 100 are read" in run("size", *PUMA, *files).err
+
+
+@pytest.mark.parametrize(
+    ("header", "row"),
+    [("x," * 1_000_000, ""), (GEARS, f"a,{'x ' * 60_000},-,1,1,1,1,1,1"), (GEARS, "\n".join(["a"] * 1_000_000))],
+)
+def test_faults_beyond_a_hundred_are_not_read(header, row, tmp_path):
+    with pytest.raises(CatalogueError, match="and 100 more faults") as error:
+        gears(tmp_path, row, header=header)
+    assert error.value.faults[-1].what == "the rest is not read"
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_changed_bytes_are_faults_or_rows(seed, tmp_path):
+    """Whatever is changed, it is told or read; no row is lost."""
+    rng, path = random.Random(seed), tmp_path / "table.csv"
+    for _ in range(100):
+        text, read = rng.choice(
+            [(MOTORS_TEMPLATE, lambda: read_motors(str(path), ())), (GEARS_TEMPLATE, lambda: read_gears(str(path)))]
+        )
+        data = bytearray(text.encode())
+        for _ in range(rng.randrange(1, 4)):
+            at = rng.randrange(text.index("\nname"), len(data))
+            data[at : at + rng.randrange(3)] = bytes(
+                rng.choice(b'0123,.-:"\n [];eE%\0\xffnif_#') for _ in range(rng.randrange(3))
+            )
+        path.write_bytes(bytes(data))
+        try:
+            found, faults = read()[0], ()
+        except CatalogueError as error:
+            found, faults = (), error.faults
+        assert all(fault.file == str(path) and fault.remedy for fault in faults)
+        lines = data.decode(errors="replace").split("\n")
+        rows = sum(bool(line.strip()) and line.lstrip()[:1] != "#" for line in lines) - 1
+        assert faults or len(found) == rows
+
+
+def test_templates_run_and_are_those_of_robots(tmp_path):
+    files = str(tmp_path / "m.csv"), str(tmp_path / "g.csv")
+    for robot, motion in (PUMA, (str(ROBOTS / "scara.urdf"), str(ROBOTS / "scara_pick_and_place.csv"))):
+        assert "Every joint has a motor that suffices" in shown(
+            "size", robot, motion, "--catalog", files[0], "--gears", files[1], *(["--init"] if robot == PUMA[0] else [])
+        )
+    for path, name in zip(files, ("motors.csv", "gears.csv"), strict=True):
+        with open(path, encoding="utf-8") as stream:
+            assert stream.read() == (ROBOTS / "catalogue" / name).read_text()
+    again = run("size", *PUMA, "--catalog", files[0], "--init")
+    assert again.status == 2
+    assert "--init writes a new file, and this one is there already" in again.err
+
+
+def test_nothing_suffices(tmp_path):
+    (tmp_path / "motors.csv").write_text(f"{MOTORS},joints\nsmall,1e-6,0.001,0.002,300,0.1,waist\n")
+    outcome = run("size", *PUMA, "--catalog", str(tmp_path / "motors.csv"), "--scene-out", str(tmp_path / "none.toml"))
+    assert outcome.status == 1
+    assert "Nothing in the catalogue suffices for waist, shoulder, elbow" in outcome.out
+    assert "shoulder: the catalogue has no motor and gear that fit this joint" in outcome.out
+    assert "small, ratio 1" in outcome.out
+
+
+def test_json(tmp_path):
+    files = "--catalog", str(ROBOTS / "catalogue" / "motors.csv"), "--gears", str(ROBOTS / "catalogue" / "gears.csv")
+    found = document("size", *PUMA, *files, "--by", "price", "--joints", "waist,elbow")
+    assert [joint["name"] for joint in found["joints"]] == ["waist", "elbow"]
+    for joint in found["joints"]:
+        assert joint["best"] == joint["choices"][0]
+        assert sum(each["feasible"] for each in joint["choices"]) == joint["feasible"]
+        assert sum(joint["ruled_out"].values()) + joint["feasible"] == len(joint["choices"])
+    assert found["price"] == sum(joint["best"]["price"] for joint in found["joints"])
