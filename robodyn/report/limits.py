@@ -149,7 +149,7 @@ def _exceeded(result: Result | Simulation) -> list[tuple[str, str]]:
             if each.quantity not in ("effort", "velocity"):
                 times = each.value / each.limit if each.limit > 0.0 else float("inf")
                 line = f"{printable(joint.name)}: {in_words(each)}."
-                found.append((each.level == "over continuous", -float(steady(times)), joint.name, line))
+                found.append((each.level != "over peak", -float(steady(times)), joint.name, line))
     return [(joint, line) for _, _, joint, line in sorted(found)]
 
 

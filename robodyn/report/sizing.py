@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
-from robodyn.loads.result import Exceeded, JointLoad, JointSizing, Result, Sizing
+from robodyn.loads.result import DEGREES, Exceeded, JointLoad, JointSizing, Result, Sizing
 from robodyn.report.document import Facts, Paragraph, Section, Table, paragraphs
 from robodyn.report.sizes import Sizes, result_sizes, speed_unit
 from robodyn.report.table import axis_text, filled, first_names, is_noise, number, percent, printable
@@ -22,11 +22,13 @@ _WORDS = {
     "RMS motor torque": ("the motor's RMS torque", "the continuous curve allows"),
     "gear torque": ("the gear's torque", "the gear bears"),
     "mean gear torque": ("the gear's cubic mean torque", "the gear bears"),
+    "winding temperature": ("the winding's temperature", "it bears"),
+    "housing temperature": ("the motor housing's temperature", "it bears"),
     "effort": ("the joint's torque", "the description allows"),
     "velocity": ("the joint's speed", "the description allows"),
 }
 """Of a quantity what it is, and what limits it."""
-_WORST = ("over peak", "over continuous", "OK", "no limits")
+_WORST = ("over peak", "over temperature", "over continuous", "OK", "no limits")
 _NAMED = 8
 """Joints that are named at most."""
 _MISSING = {"slip": "would slip", "pull": "had to pull", "tip": "would tip over", "fly": "stands on nothing"}
@@ -59,6 +61,7 @@ def sizing_sections(result: Result, sizing: Sizing) -> Iterator[Section]:
     head = ["joint", "gear", "peak", "at [s]", "RMS", "max speed", "peak power [W]", "work [J]", "returned [J]"]
     title = "Motors, torque and speed at their shafts"
     yield [Table(title, [*head, "inertia ratio"], shafts)] if shafts else []
+    yield from _heat_sections(sizing, size, result.duration > 0.0)
     rows = []
     for bearing in sizing.bearings:
         row = [bearing.joint, *(axis_text(axis, "{:.3g}", " ") for axis in bearing.directions)]
@@ -92,13 +95,50 @@ def sizing_sections(result: Result, sizing: Sizing) -> Iterator[Section]:
         yield [Paragraph("Verdicts"), Facts(tuple(items))]
 
 
+def _heat_sections(sizing: Sizing, size: Sizes, moves: bool) -> Iterator[Section]:
+    """Yield temperatures of motors, what they take from the bus, and the life of gears."""
+    hot, losses, lives = [], [], []
+    for joint in sizing.joints:
+        if (motor := joint.motor) is None:
+            continue
+        if (life := motor.gear_life) is not None:
+            row = [joint.name, size.number(life.mean_torque, joint.unit), number(life.mean_speed)]
+            lives.append([*row, "-" if life.life is None else f"{life.life:.4g}"])
+        if (heat := motor.heat) is None:
+            continue
+        temperatures = heat.winding_once, heat.winding, heat.housing_once, heat.housing
+        row = ["runs away" if each is None else f"{each:.4g}" for each in temperatures]
+        passed = "-" if heat.seconds_to_limit is None else f"{heat.seconds_to_limit:.4g}"
+        hot.append([joint.name, f"{heat.start:g}", *row, f"{heat.winding_limit:g}", passed])
+        row = [size.number(each, "J") for each in (heat.copper_loss, heat.gear_loss, heat.drawn, heat.returned)]
+        losses.append([joint.name, *row, *(size.number(each, "W") for each in (heat.peak_power, heat.least_power))])
+    ever = "repeated" if moves else "held"
+    head = ["joint", "start", "winding once", f"{ever} for ever", "housing once", f"{ever} for ever", "winding's limit"]
+    yield [Table("Temperatures of motors [degC], greatest", [*head, "passed after [s]"], hot)] if hot else []
+    if (bus := sizing.bus) is not None:
+        row = [size.number(each, "J") for each in (bus.drawn, bus.returned)]
+        row += [size.number(each, "W") for each in (bus.peak_power, bus.least_power)]
+        losses += [["bus", "", "", *row]]
+        head = ["joint", "copper loss [J]", "gear loss [J]", "drawn [J]", "returned [J]", "peak [W]", "least [W]"]
+        without = f", without {first_names(bus.missing, most=4)}" if bus.missing else ""
+        yield [Table(f"DC bus, per cycle in the steady state{without}", head, losses)]
+        yield paragraphs([f"The bus takes {size.number(bus.mean_power, 'W')} W on average."])
+    head = ["gear of", "mean torque", "mean input speed [rad/s]", "life [h]"]
+    yield [Table("Life of gears, at this motion repeated", head, lives)] if lives else []
+
+
 def uses(load: JointLoad | JointUse, joint: JointSizing | None) -> list[tuple[float, str]]:
     """Return how much of each limit a joint uses [%], and of which."""
     found: list[tuple[float, float | None, str]] = []
     if joint is not None and (motor := joint.motor) is not None:
         if (near := motor.nearest) is not None:
             found.append((near.torque, near.limit, f"the peak curve at {near.time:.6g} s"))
-        found.append((motor.rms, motor.continuous_limit, "the continuous torque"))
+        judged = "the continuous torque" if motor.heat is None else "the continuous torque (not judged: temperature is)"
+        found.append((motor.rms, motor.continuous_limit, judged))
+        if motor.heat is not None and motor.heat.winding is not None:
+            heat, ambient = motor.heat, motor.heat.ambient
+            rise = max(heat.winding, heat.winding_once or ambient) - ambient
+            found.append((rise, heat.winding_limit - ambient, "the winding's rise in temperature"))
         found.append((abs(motor.max_speed), motor.speed_limit, "the motor's speed"))
     found.append((abs(load.peak), load.effort_limit, "the effort limit"))
     found.append((abs(load.max_speed), load.velocity_limit, "the velocity limit"))
@@ -107,9 +147,12 @@ def uses(load: JointLoad | JointUse, joint: JointSizing | None) -> list[tuple[fl
 
 def in_words(exceeded: Exceeded) -> str:
     """Return what is too large, by how much, when, and for how long."""
+    if exceeded.quantity == "thermal runaway":
+        return f"repeated, the motion heats the winding more in every cycle than it cools: it passes any limit, as its {exceeded.limit:g} degC"
     unit, limit, (what, allowed) = exceeded.unit, exceeded.limit, _WORDS[exceeded.quantity]
     text = f"{what} is {number(exceeded.value)} {unit}, "
-    text += f"{100 * exceeded.excess / limit:.3g} % above the {number(limit)}" if limit > 0 else "above the 0"
+    over = f"{exceeded.excess:.3g} K" if unit == DEGREES else f"{100 * exceeded.excess / limit:.3g} %" if limit > 0 else ""
+    text += f"{over} above the {number(limit)}" if limit > 0 else "above the 0"
     text += f" {unit} that {allowed}"
     if exceeded.speed is not None:
         mean = "a mean speed of " if exceeded.time is None else ""
