@@ -11,7 +11,7 @@ import click
 
 from robodyn.cli import options
 from robodyn.cli.files import ROBOT, STANDARD_INPUT, TABLE, check_names, expect, robot_in_scene
-from robodyn.cli.options import PATH, POSITIVE, TABLE_OUT, Call, option, refuse_where, takes
+from robodyn.cli.options import PATH, POSITIVE, TABLE_OUT, Call, option, refuse, refuse_where, takes
 from robodyn.cli.screen import answer
 from robodyn.errors import InputError
 from robodyn.programs.run.runner import EXECUTORS
@@ -20,14 +20,19 @@ from robodyn.trajectory.formats.table import FILE_TYPES
 if TYPE_CHECKING:
     from robodyn.measure.accuracy.torques import Arithmetic
     from robodyn.report.document import Document
+    from robodyn.loads.torques import Sink
     from robodyn.robot.model import Model
     from robodyn.scene.scene import Scene
+    from robodyn.support.floats import Floats
+    from robodyn.trajectory.motion import Trajectory
+    from robodyn.trajectory.read import TrajectoryReader
 
 _EXECUTOR = "numpy starts at once, compiled makes machine code; default auto: the quicker."
 MOST = 8
 """Motions that one report lays over each other."""
 _GROUPS = {
     "The robot and what surrounds it": "package-path xacro-arg trust-xacro scene payload gravity base-held",
+    "A pose, in place of a trajectory": "at qd qdd",
     "The trajectory": "hold map time-unit angle-unit derivatives encoder-error topic ignore-extra example",
     "What is computed": "sizing momentum about frame explain accuracy",
     "A log with measured torques": "measured cutoff",
@@ -50,12 +55,15 @@ class TorquesCommand(click.Command):
 
 @click.command("torques", cls=TorquesCommand, short_help="Compute what every joint and bearing carries along a motion.")
 @click.argument("urdf", type=PATH)
-@click.argument("trajectories", type=PATH, nargs=-1, required=True, metavar="TRAJECTORY...")
+@click.argument("trajectories", type=PATH, nargs=-1, metavar="TRAJECTORY...")
 @takes(
     options.SCENE,
     option("--out FILE", "Write the torques: .csv, .parquet, .npz; of many a FOLDER.", TABLE_OUT),
     options.BASE_HELD,
-    option("--reactions", "Write the wrenches of the base and of every joint to --out too."),
+    options.AT,
+    options.QD,
+    option("--qdd QDD", "Accelerations, likewise; default none.", options.VALUES),
+    option("--reactions", "Write the wrenches of the base and of every joint to --out too; of --at print them."),
     option("--sizing", "Add duty, motors, bearings, foundation; as a scene with motors does."),
     option("--momentum", "Mass centre, momenta, energies, power: report them, and write them to --out."),
     option("--about POINT", "Of L: origin (default), com or X,Y,Z.", options.POINT),
@@ -89,8 +97,9 @@ def command(
     example: bool,
     jobs: int | None,
     dask: str | None,
+    qdd: Any,
 ) -> int:
-    """Compute joint torques, base loads and sizing figures along a motion.
+    """Compute joint torques, base loads and sizing figures along a motion, or in one pose that --at gives.
     A file named - is standard input; a trajectory then is CSV.
 
     \b
@@ -101,7 +110,20 @@ def command(
       robodyn torques robots/puma.urdf before.csv after.csv --report both.html
       robodyn torques robots/puma.urdf motion.csv --example --report puma.html
       robodyn torques robots/puma560.urdf log.db3 --measured --report measured.html
+      robodyn torques robots/puma560.urdf --at shoulder=-0.8,elbow=0.3 --reactions
     """
+    posed = next((name for name, value in (("at", call.at), ("qd", call.qd), ("qdd", qdd)) if value is not None), "")
+    if not trajectories and call.at is None:
+        what = f"--{posed} goes with --at" if posed else "Missing argument 'TRAJECTORY...', or --at for one pose."
+        refuse(what)
+    if posed:
+        of_motion: dict[str, object] = {"measured": measured, "cutoff": cutoff, "accuracy": call.accuracy}
+        of_motion |= {"example": example, "jobs": jobs, "dask": dask}
+        refuse_where(
+            (trajectories, f"--{posed} is one pose, in place of a trajectory: leave {' '.join(trajectories)} out"),
+            *((value, f"--{name} is for a trajectory, and --at is one pose") for name, value in of_motion.items()),
+            (call.reading_given, f"{call.reading_given} is for a trajectory, and --at is one pose"),
+        )
     if measured:
         others: dict[str, object] = {"fail-on-limits": call.fail_on_limits, "out": call.out, "reactions": reactions}
         others |= {"sizing": sizing, "momentum": momentum, "explain": explain, "accuracy": call.accuracy}
@@ -126,7 +148,7 @@ def command(
     many = len(trajectories) > 1 or wild or folder
     refuse_where(
         (cutoff is not None, "--cutoff goes with --measured"),
-        (reactions and not call.out, "--reactions goes to a file, and --out names none"),
+        (reactions and not call.out and not posed, "--reactions goes to a file, and --out names none"),
         (about is not None and not momentum, "--about goes with --momentum"),
         (frame is not None and not momentum, "--frame goes with --momentum"),
         (many and call.accuracy, "--accuracy is for one trajectory"),
@@ -146,38 +168,44 @@ def command(
         from robodyn.cli.torques_batch import run_batch
 
         return run_batch(call, urdf, trajectories, loads, jobs, dask)
-    return _single(call, urdf, trajectories[0], loads, example)
+    return _single(call, urdf, None if posed else trajectories[0], loads, example, qdd)
 
 
-def _single(call: Call, urdf: str, trajectory: str, loads: dict[str, Any], example: bool) -> int:
+def _single(call: Call, urdf: str, trajectory: str | None, loads: dict[str, Any], example: bool, qdd: Any) -> int:
     from robodyn.cli.progress import watched
     from robodyn.loads.accumulate import output_names
     from robodyn.loads.torques import torques
     from robodyn.report.limits import verdict_section
-    from robodyn.report.torques import torques_sections
-    from robodyn.trajectory.read import read_motion
+    from robodyn.report.torques import pose_sections, torques_sections
+    from robodyn.trajectory.read import pose, read_motion
     from robodyn.trajectory.write import format_of, open_writer
 
     check_names()
     expect(ROBOT, urdf)
-    expect(TABLE, trajectory)
+    if trajectory is not None:
+        expect(TABLE, trajectory)
     if call.out:
         format_of(call.out)
     model, scene = robot_in_scene(call, urdf, loops=True, contacts=True)
-    if example:
+    if example and trajectory is not None:
         _write_example(trajectory, model, scene)
-    way = None if call.accuracy is None else _arithmetic(call, call.accuracy, trajectory, model, scene)
+    way = None if call.accuracy is None or trajectory is None else _arithmetic(call, call.accuracy, trajectory, model, scene)
     if way is not None and way.executor:
         loads["executor"] = way.executor
     names = output_names(model, loads["reactions"], loads["momentum"] is not None, scene)
+    columns: list[Floats] = []
     with ExitStack() as stack:
-        reader = stack.enter_context(read_motion(trajectory, model, scene, **call.reading))
-        sinks = []
+        reader: TrajectoryReader | Trajectory
+        sinks: list[Sink] = [lambda _, values: columns.append(values)] if trajectory is None else []
+        if trajectory is None:
+            reader = pose(model, call.at, call.qd, qdd, scene)
+        else:
+            reader = stack.enter_context(read_motion(trajectory, model, scene, **call.reading))
+            sinks.append(stack.enter_context(watched(reader)))
         if call.out is not None:  # the file is there whole when all ends well
             from robodyn.support.threads import write_behind
 
             sinks.append(stack.enter_context(write_behind(stack.enter_context(open_writer(call.out, names)).write)))
-        sinks.append(stack.enter_context(watched(reader)))
         result = torques(model, reader, scene, sinks=sinks, history=call.pictured, **loads)
     result = way.fulfilled(result) if way else result
     lines = ""
@@ -202,7 +230,10 @@ def _single(call: Call, urdf: str, trajectory: str, loads: dict[str, Any], examp
 
         return torques_json(result)
 
-    sections = torques_sections(result, loads["explain"])
+    if trajectory is None:
+        sections = pose_sections(result, names, columns[0][0], loads["explain"])
+    else:
+        sections = torques_sections(result, loads["explain"])
     answer(call, sections, document, lines, last=verdict_section(result), json=json)
     unmet = result.accuracy is not None and not result.accuracy.met
     return int(unmet or (call.fail_on_limits and result.within_limits is False))

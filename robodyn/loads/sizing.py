@@ -120,7 +120,8 @@ class MotorPass(ShaftFigures):
         self.trains, self.gear, self.near = tuple(trains), Greatest(len(trains)), Greatest(len(trains))
         tops = [0.0 if train.motor.peak is None else max(y for _, y in points(train.motor.peak)) for train in trains]
         self.least = LEAST * np.array(tops)[:, None] + np.finfo(float).tiny
-        self.exponents = np.array([[3.0 if train.life is None else train.life.exponent] for train in trains])
+        self.lives = any(train.life is not None for train in trains)
+        self.exponents = np.array([[0.0 if train.life is None else train.life.exponent] for train in trains])
         thermals = {i: train.motor.thermal for i, train in enumerate(trains) if train.motor.thermal is not None}
         self.heat = HeatPass(thermals) if thermals else None
 
@@ -141,7 +142,6 @@ class MotorPass(ShaftFigures):
         self.near.update(time, first_row, use, torque=size, speed=pace, limit=peak)
         more = {
             "wear": carried * carried * carried * np.abs(qd),
-            "life": carried**self.exponents * np.abs(qd),
             "gear loss": np.array([gear_loss(train, *x) for train, *x in zip(trains, load, qd, strict=True)]),
             "joint travel": np.abs(qd),
             "above continuous": (size > BEYOND * continuous).astype(float),
@@ -149,6 +149,8 @@ class MotorPass(ShaftFigures):
             "over speed": (pace > BEYOND * fastest).astype(float),
             "over gear": (carried > BEYOND * most).astype(float),
         }
+        if self.lives:
+            more["life"] = carried**self.exponents * np.abs(qd)
         self.gather(time, first_row, torque, speed, more)
         if self.heat is not None:
             self.heat.update(time, torque, speed)

@@ -27,6 +27,8 @@ MOST = 1 << 17
 _SHOWN, _CYCLES = 2000, 150
 """Points of a page's curves, at most."""
 _NEWTON, _FOR_EVER = 60, 1 << 40
+_MELTED = 1e9
+"""Kelvin above ambient at which numbers stop."""
 _LAST = 0.005
 """The share of the way to the steady state that is left where a page's curve over cycles ends."""
 
@@ -42,7 +44,7 @@ class MotorHeat:
             than it cools (thermal runaway).
         seconds_to_limit: of repeating the motion until the winding passes its limit; None if it does not, or where the
             torque constant depends on temperature.
-        copper_loss, gear_loss: per cycle [J]; drawn, returned: energy from the bus and, negative, back to it [J].
+        copper_loss, gear_loss: per cycle [J], at the limit where it runs away; drawn, returned: energy from the bus and, negative, back to it [J].
         peak_power, least_power: of the bus, between rows [W].
     """
 
@@ -63,6 +65,11 @@ class MotorHeat:
     returned: float
     peak_power: float
     least_power: float
+
+    @property
+    def housed(self) -> bool:
+        """Whether the housing is more than the ambient."""
+        return self.housing_once != self.ambient or self.housing not in (None, self.ambient)
 
 
 @dataclass(frozen=True)
@@ -142,12 +149,13 @@ class HeatPass:
             cold = np.array((begin, begin if thermal.housing_capacity else 0.0))
             once = np.array((cold, cold)) if still else response(thermal, steps, square, cold)[0]
             steady, maps = response(thermal, steps, square, None)
-            hot = steady if steady is not None else once if once is not None else np.tile(cold, (len(time), 1))
+            limit = np.full((len(time), 1), thermal.winding_limit - thermal.ambient)
+            hot = steady if steady is not None else limit if once is None else np.minimum(once, limit)
             copper = square * loss_factor(thermal, 0.5 * (hot[1:, 0] + hot[:-1, 0]))[0]
             electric = mechanical + copper
             power = electric * np.where(electric > 0.0, 1.0 / thermal.drive_efficiency, thermal.drive_efficiency)
             bus += power
-            until = _cycles_to_limit(thermal, cold, maps) if not still and not thermal.torque_coefficient else None
+            until = None if still or thermal.torque_coefficient else _cycles_to_limit(thermal, cold, maps)
             motors[place] = MotorHeat(
                 thermal.ambient,
                 thermal.ambient + begin,
@@ -155,7 +163,7 @@ class HeatPass:
                 thermal.housing_limit,
                 *_greatest(thermal, once, time),
                 *_greatest(thermal, steady, time),
-                None if until is None else until * float(per_cycle.sum()),
+                None if until is None else _time_of_limit(thermal, cold, maps, until, time - self.start),
                 float(np.sum(copper * per_cycle)),
                 float(gear_losses[place]),
                 *_energies(power, per_cycle),
@@ -207,7 +215,7 @@ def response(thermal: Thermal, steps: Floats, square: Floats, start: Floats | No
         states = begin[:, None] + maps[:, 0] * begin[0] + maps[:, 1] * begin[1] + maps[:, 2]
         states = np.column_stack((begin, states))
         before, inside = inside, 0.5 * (states[0, 1:] + states[0, :-1])
-        if not np.isfinite(states).all() or (low + thermal.torque_coefficient * states[0]).min() <= 0.0:
+        if not (states <= _MELTED).all() or (low + thermal.torque_coefficient * states[0]).min() <= 0.0:
             return None, maps
         if not thermal.torque_coefficient or np.abs(inside - before).max() <= 1e-11 * (1.0 + np.abs(inside).max()):
             return states.T, maps
@@ -273,7 +281,7 @@ def _over_cycles(maps: Floats, start: Floats, until: int | None) -> tuple[Floats
     stride = ceil(many / _CYCLES)
     step, states = _power(maps[..., -1], stride), [start]
     while len(states) * stride <= many + stride:
-        states.append(states[-1] + step[:, 0] * states[-1][0] + step[:, 1] * states[-1][1] + step[:, 2])
+        states.append(_moved(states[-1], step))
     return stride * np.arange(float(len(states))), np.array([_peaks(maps, x) for x in states])
 
 
@@ -283,8 +291,7 @@ def _cycles_to_limit(thermal: Thermal, start: Floats, maps: Floats) -> int | Non
     limit, cycle = BEYOND * thermal.winding_limit - thermal.ambient, maps[..., -1]
 
     def after(n: int) -> float:
-        power = _power(cycle, n)
-        return _peaks(maps, start + power[:, 0] * start[0] + power[:, 1] * start[1] + power[:, 2])[0]
+        return _peaks(maps, _moved(start, _power(cycle, n)))[0]
 
     below, above = -1, 0
     while after(above) <= limit:
@@ -295,6 +302,20 @@ def _cycles_to_limit(thermal: Thermal, start: Floats, maps: Floats) -> int | Non
         middle = (above + below) // 2
         below, above = (middle, above) if after(middle) <= limit else (below, middle)
     return above
+
+
+def _time_of_limit(thermal: Thermal, start: Floats, maps: Floats, cycles: int, time: Floats) -> float:
+    """Return when the winding passes its limit [s], in the cycle after so many; time: (G + 1,) of a cycle, from 0."""
+    begin = _moved(start, _power(maps[..., -1], cycles))
+    winding = np.append(begin[0], begin[0] + maps[0, 0] * begin[0] + maps[0, 1] * begin[1] + maps[0, 2])
+    over = winding > BEYOND * thermal.winding_limit - thermal.ambient
+    return cycles * float(time[-1]) + float(time[int(over.argmax())])
+
+
+def _moved(x: Floats, change: Floats) -> Floats:
+    """Return a state (2,) after a map (2, 3)."""
+    moved: Floats = x + change[:, 0] * x[0] + change[:, 1] * x[1] + change[:, 2]
+    return moved
 
 
 def _power(cycle: Floats, n: int) -> Floats:

@@ -139,7 +139,9 @@ def exceeded_words(excess: Excess) -> str:
 def _exceeded(result: Result | Simulation) -> list[tuple[str, str]]:
     """Return joint and sentence of all that is exceeded, once: first what breaks, by how many times the limit it is."""
     found: list[tuple[bool, float, str, str]] = []
+    pose = getattr(result, "samples", 0) == 1
     for excess in result.exceeded:
+        excess = replace(excess, time=None, seconds=0.0) if pose else excess
         beyond, position = abs(excess.value - excess.limit), excess.quantity == "position"
         times = float(steady(1.0 + beyond if position else excess.value / excess.limit))  # [rad, m] beyond a position
         found.append((False, -times, excess.joint, exceeded_words(excess)))
@@ -148,7 +150,7 @@ def _exceeded(result: Result | Simulation) -> list[tuple[str, str]]:
         for each in joint.exceeded:
             if each.quantity not in ("effort", "velocity"):
                 times = each.value / each.limit if each.limit > 0.0 else float("inf")
-                line = f"{printable(joint.name)}: {in_words(each)}."
+                line = f"{printable(joint.name)}: {in_words(each, pose)}."
                 found.append((each.level != "over peak", -float(steady(times)), joint.name, line))
     return [(joint, line) for _, _, joint, line in sorted(found)]
 

@@ -23,6 +23,7 @@ from robodyn.report import document as doc
 from robodyn.report import stage
 from robodyn.report.charts import Course, plane_chart, time_chart
 from robodyn.report.equations import action_table
+from robodyn.report.heat import heat_charts
 from robodyn.report.limits import effort_use, limits_verdict, offenders, use_bars, worst_joint
 from robodyn.report.sizes import Sizes, free_body_sizes, result_sizes, speed_unit
 from robodyn.report.table import first_names, gravity_text, is_noise, moment, number, printable
@@ -144,6 +145,8 @@ def _charts(result: Result, model: Model, scene: Scene, history: History, course
         charts.append(time_chart("Power of joints", "Power of joints", course.time, power, "W", rows=course.rows))
     yield from doc.titled("Along the motion", [*doc.paragraphs(said), *doc.gallery(charts)])
     yield from doc.titled("Motors", doc.gallery(motors.values()))
+    if history.heat is not None and history.heat.courses:
+        yield from doc.titled("Temperatures of motors, and the DC bus", doc.gallery(heat_charts(result, history.heat)))
     peaks = [joint for joint in joints if not is_noise(abs(joint.peak), size[joint.unit])]
     yield from doc.titled("What makes the peaks", _share_bars(peaks))
     if result.constraints is not None and scene.contacts:
