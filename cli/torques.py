@@ -189,7 +189,11 @@ def _single(call: Call, urdf: str, trajectory: str | None, loads: dict[str, Any]
     model, scene = robot_in_scene(call, urdf, loops=True, contacts=True)
     if example and trajectory is not None:
         _write_example(trajectory, model, scene)
-    way = None if call.accuracy is None or trajectory is None else _arithmetic(call, call.accuracy, trajectory, model, scene)
+    way = (
+        None
+        if call.accuracy is None or trajectory is None
+        else _arithmetic(call, call.accuracy, trajectory, model, scene)
+    )
     if way is not None and way.executor:
         loads["executor"] = way.executor
     names = output_names(model, loads["reactions"], loads["momentum"] is not None, scene)

@@ -191,7 +191,9 @@ class MotorPass(ShaftFigures):
         travel, wear = float(totals["joint travel"][i]), float(totals["life"][i])
         torque = (wear / travel) ** (1.0 / gear.exponent) if travel else float(self.gear.score[i])
         worn = speed > 0.0 and torque > 0.0
-        life = gear.rated_life * gear.rated_speed / speed * (gear.rated_torque / torque) ** gear.exponent if worn else 0.0
+        life = (
+            gear.rated_life * gear.rated_speed / speed * (gear.rated_torque / torque) ** gear.exponent if worn else 0.0
+        )
         return GearUse(life if worn and life < LARGEST else None, torque, speed)
 
 
@@ -354,7 +356,12 @@ class SizingPass:
             return
         for name in ("winding", "housing"):
             once, repeated = getattr(heat, f"{name}_once"), getattr(heat, name)
-            yield f"{name} temperature", repeated if once is None else max(once, repeated), getattr(heat, f"{name}_limit"), DEGREES
+            yield (
+                f"{name} temperature",
+                repeated if once is None else max(once, repeated),
+                getattr(heat, f"{name}_limit"),
+                DEGREES,
+            )
 
     def _limited(self, k: int, load: JointLoad, motor: MotorLoad | None) -> Iterator[Exceeded]:
         """Yield what has a limit, whether that is exceeded or not."""

@@ -211,7 +211,10 @@ def response(thermal: Thermal, steps: Floats, square: Floats, start: Floats | No
             trace, det = D[0, 0] + D[1, 1], D[0, 0] * D[1, 1] - D[0, 1] * D[1, 0]
             if not (trace < 0.0 and det > 0.0):  # an eigenvalue of I + D is 1 or more: it heats more than it cools
                 return None, maps
-            begin = np.array((D[0, 1] * whole[1, 2] - D[1, 1] * whole[0, 2], D[1, 0] * whole[0, 2] - D[0, 0] * whole[1, 2])) / det
+            begin = (
+                np.array((D[0, 1] * whole[1, 2] - D[1, 1] * whole[0, 2], D[1, 0] * whole[0, 2] - D[0, 0] * whole[1, 2]))
+                / det
+            )
         states = begin[:, None] + maps[:, 0] * begin[0] + maps[:, 1] * begin[1] + maps[:, 2]
         states = np.column_stack((begin, states))
         before, inside = inside, 0.5 * (states[0, 1:] + states[0, :-1])
@@ -233,7 +236,10 @@ def _intervals(thermal: Thermal, steps: Floats, gain: Floats, heat: Floats) -> F
     lower = 0.5 * (a + d) - np.sqrt(0.25 * (a - d) ** 2 + b * c)
     upper = a + d - lower
     lower, upper = lower * steps, upper * steps
-    (p, q), gap = (np.where(z == 0.0, 1.0, np.expm1(z) / np.where(z == 0.0, 1.0, z)) for z in (lower, upper)), upper - lower
+    (p, q), gap = (
+        (np.where(z == 0.0, 1.0, np.expm1(z) / np.where(z == 0.0, 1.0, z)) for z in (lower, upper)),
+        upper - lower,
+    )
     slope = np.where(gap > 0.0, (q - p) / np.where(gap > 0.0, gap, 1.0), 0.0)
     phi = np.array((p + slope * (a * steps - lower), slope * c * steps))  # its first column
     second = np.array((slope * b * steps, p + slope * (d * steps - lower)))

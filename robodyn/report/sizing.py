@@ -91,7 +91,9 @@ def pose_sizing_sections(result: Result, sizing: Sizing) -> Iterator[Section]:
         if (motor := joint.motor) is not None:
             row = [joint.name, f"{motor.gear:.6g}", f"{number(motor.peak)} {motor.unit}"]
             rows.append([*row, f"{number(motor.max_speed)} {motor.speed_unit}", _ratio(motor)])
-    yield [Table("Motors, at their shafts", ["joint", "gear", "torque", "speed", "inertia ratio"], rows)] if rows else []
+    yield (
+        [Table("Motors, at their shafts", ["joint", "gear", "torque", "speed", "inertia ratio"], rows)] if rows else []
+    )
     hot = [(joint.name, joint.motor.heat) for joint in sizing.joints if joint.motor and joint.motor.heat]
     rows = []
     for name, heat in hot:
@@ -134,7 +136,15 @@ def _heat_sections(sizing: Sizing, size: Sizes) -> Iterator[Section]:
         hot.append([joint.name, f"{heat.start:g}", *row, f"{heat.winding_limit:g}", passed])
         row = [size.number(each, "J") for each in (heat.copper_loss, heat.gear_loss, heat.drawn, heat.returned)]
         losses.append([joint.name, *row, *(size.number(each, "W") for each in (heat.peak_power, heat.least_power))])
-    head = ["joint", "start", "winding once", "repeated for ever", "housing once", "repeated for ever", "winding's limit"]
+    head = [
+        "joint",
+        "start",
+        "winding once",
+        "repeated for ever",
+        "housing once",
+        "repeated for ever",
+        "winding's limit",
+    ]
     yield [Table("Temperatures of motors [degC], greatest", [*head, "passed after [s]"], hot)] if hot else []
     if (bus := sizing.bus) is not None:
         row = [size.number(each, "J") for each in (bus.drawn, bus.returned)]
@@ -157,7 +167,9 @@ def uses(load: JointLoad | JointUse, joint: JointSizing | None, pose: bool = Fal
     found: list[tuple[float, float | None, str]] = []
     if joint is not None and (motor := joint.motor) is not None:
         if (near := motor.nearest) is not None:
-            found.append((near.torque, near.limit, "the peak curve" if pose else f"the peak curve at {near.time:.6g} s"))
+            found.append(
+                (near.torque, near.limit, "the peak curve" if pose else f"the peak curve at {near.time:.6g} s")
+            )
         judged = "the continuous torque" if motor.heat is None else "the continuous torque (not judged: temperature is)"
         found.append((motor.rms, motor.continuous_limit, judged))
         if motor.heat is not None and motor.heat.winding is not None:
@@ -178,7 +190,9 @@ def in_words(exceeded: Exceeded, pose: bool = False) -> str:
     unit, limit, (what, allowed) = exceeded.unit, exceeded.limit, _WORDS[exceeded.quantity]
     what = what.replace("RMS ", "").replace("cubic mean ", "") if pose else what
     text = f"{what} is {number(exceeded.value)} {unit}, "
-    over = f"{exceeded.excess:.3g} K" if unit == DEGREES else f"{100 * exceeded.excess / limit:.3g} %" if limit > 0 else ""
+    over = (
+        f"{exceeded.excess:.3g} K" if unit == DEGREES else f"{100 * exceeded.excess / limit:.3g} %" if limit > 0 else ""
+    )
     text += f"{over} above the {number(limit)}" if limit > 0 else "above the 0"
     text += f" {unit} that {allowed}"
     if exceeded.speed is not None:

@@ -27,7 +27,20 @@ Sources = Sequence[tuple[bytes, str]]
 _LARGEST = sys.float_info.max
 WHOLE = "the scene"
 OF_THE_SCENE = (
-    *("gravity", "friction", "slip_speed", "rotor", "motor", "gear", "coupled", "spring", "payload", "wrench", "fluid", "base"),
+    *(
+        "gravity",
+        "friction",
+        "slip_speed",
+        "rotor",
+        "motor",
+        "gear",
+        "coupled",
+        "spring",
+        "payload",
+        "wrench",
+        "fluid",
+        "base",
+    ),
     *("initial", "drive", "between_rows", "joint_limits", "limit_spring", "loop", "baumgarte"),
     *("actuated", "passive", "share", "weights", "contact", "contact_cost", "uncertainty"),
 )

@@ -170,7 +170,10 @@ def pose(model: Model, q: Values = (), qd: Values = (), qdd: Values = (), scene:
     state = configuration(model, q), rates(model, qd or ()), rates(model, qdd or ())
     if isinstance(q, Mapping) and scene.loops:  # which tell the other joints
         still = dict.fromkeys(q, 0.0)
-        given = [{name: [value] for name, value in {**part}.items()} for part in (q, still | {**(qd or {})}, still | {**(qdd or {})})]
+        given = [
+            {name: [value] for name, value in {**part}.items()}
+            for part in (q, still | {**(qd or {})}, still | {**(qdd or {})})
+        ]
         return motion(model, [0.0], *given, scene=scene)
     return motion(model, [0.0], *(each[None] for each in state), scene=scene)
 
