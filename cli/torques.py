@@ -11,7 +11,7 @@ import click
 
 from robodyn.cli import options
 from robodyn.cli.files import ROBOT, STANDARD_INPUT, TABLE, check_names, expect, robot_in_scene
-from robodyn.cli.options import PATH, POSITIVE, TABLE_OUT, Call, option, refuse, refuse_where, takes
+from robodyn.cli.options import PATH, POSITIVE, TABLE_OUT, Call, option, refuse_where, takes
 from robodyn.cli.screen import answer
 from robodyn.errors import InputError
 from robodyn.programs.run.runner import EXECUTORS
@@ -20,12 +20,8 @@ from robodyn.trajectory.formats.table import FILE_TYPES
 if TYPE_CHECKING:
     from robodyn.measure.accuracy.torques import Arithmetic
     from robodyn.report.document import Document
-    from robodyn.loads.torques import Sink
     from robodyn.robot.model import Model
     from robodyn.scene.scene import Scene
-    from robodyn.support.floats import Floats
-    from robodyn.trajectory.motion import Trajectory
-    from robodyn.trajectory.read import TrajectoryReader
 
 _EXECUTOR = "numpy starts at once, compiled makes machine code; default auto: the quicker."
 MOST = 8
@@ -99,7 +95,7 @@ def command(
     dask: str | None,
     qdd: Any,
 ) -> int:
-    """Compute joint torques, base loads and sizing figures along a motion, or in one pose that --at gives.
+    """Compute joint torques, base loads and sizing figures along a motion, or in the pose that --at gives.
     A file named - is standard input; a trajectory then is CSV.
 
     \b
@@ -110,20 +106,28 @@ def command(
       robodyn torques robots/puma.urdf before.csv after.csv --report both.html
       robodyn torques robots/puma.urdf motion.csv --example --report puma.html
       robodyn torques robots/puma560.urdf log.db3 --measured --report measured.html
-      robodyn torques robots/puma560.urdf --at shoulder=-0.8,elbow=0.3 --reactions
+      robodyn torques robots/puma560.urdf --at shoulder=-0.5,elbow=0.3 --reactions
     """
-    posed = next((name for name, value in (("at", call.at), ("qd", call.qd), ("qdd", qdd)) if value is not None), "")
-    if not trajectories and call.at is None:
-        what = f"--{posed} goes with --at" if posed else "Missing argument 'TRAJECTORY...', or --at for one pose."
-        refuse(what)
+    posed = next((f"--{name}" for name, x in (("at", call.at), ("qd", call.qd), ("qdd", qdd)) if x is not None), "")
+    refuse_where(
+        (posed and trajectories, f"{posed} is of one pose, in place of {' '.join(trajectories)}"),
+        (posed and call.at is None, f"{posed} goes with --at"),
+        (not posed and not trajectories, "Missing argument 'TRAJECTORY...', or --at for one pose."),
+    )
     if posed:
-        of_motion: dict[str, object] = {"measured": measured, "cutoff": cutoff, "accuracy": call.accuracy}
-        of_motion |= {"example": example, "jobs": jobs, "dask": dask}
+        along: dict[str, object] = {"measured": measured, "cutoff": cutoff, "accuracy": call.accuracy, "out": call.out}
+        along |= {"example": example, "jobs": jobs, "dask": dask, call.reading_given[2:]: call.reading_given}
+        along |= {"momentum": momentum, "about": about, "frame": frame}
         refuse_where(
-            (trajectories, f"--{posed} is one pose, in place of a trajectory: leave {' '.join(trajectories)} out"),
-            *((value, f"--{name} is for a trajectory, and --at is one pose") for name, value in of_motion.items()),
-            (call.reading_given, f"{call.reading_given} is for a trajectory, and --at is one pose"),
+            *((value, f"--{name} is for trajectories, and --at is of one pose") for name, value in along.items())
         )
+        loads: dict[str, Any] = {
+            "sizing": sizing or None,
+            "reactions": reactions,
+            "explain": explain,
+            "executor": call.executor,
+        }
+        return _posed(call, urdf, qdd, loads)
     if measured:
         others: dict[str, object] = {"fail-on-limits": call.fail_on_limits, "out": call.out, "reactions": reactions}
         others |= {"sizing": sizing, "momentum": momentum, "explain": explain, "accuracy": call.accuracy}
@@ -148,7 +152,7 @@ def command(
     many = len(trajectories) > 1 or wild or folder
     refuse_where(
         (cutoff is not None, "--cutoff goes with --measured"),
-        (reactions and not call.out and not posed, "--reactions goes to a file, and --out names none"),
+        (reactions and not call.out, "--reactions goes to a file, and --out names none"),
         (about is not None and not momentum, "--about goes with --momentum"),
         (frame is not None and not momentum, "--frame goes with --momentum"),
         (many and call.accuracy, "--accuracy is for one trajectory"),
@@ -156,7 +160,7 @@ def command(
         (not many and jobs is not None, "--jobs goes with many trajectories: give several, or --out FOLDER/"),
         (not many and dask is not None, "--dask goes with many trajectories: give several, or --out FOLDER/"),
     )
-    loads: dict[str, Any] = {"momentum": None, "sizing": sizing or None, "reactions": reactions}
+    loads = {"momentum": None, "sizing": sizing or None, "reactions": reactions}
     loads |= {"explain": explain, "executor": call.executor, "threads": call.threads}
     if momentum:
         from robodyn.dynamics.momenta import GROUND, View
@@ -168,48 +172,57 @@ def command(
         from robodyn.cli.torques_batch import run_batch
 
         return run_batch(call, urdf, trajectories, loads, jobs, dask)
-    return _single(call, urdf, None if posed else trajectories[0], loads, example, qdd)
+    return _single(call, urdf, trajectories[0], loads, example)
 
 
-def _single(call: Call, urdf: str, trajectory: str | None, loads: dict[str, Any], example: bool, qdd: Any) -> int:
+def _posed(call: Call, urdf: str, qdd: Any, loads: dict[str, Any]) -> int:
+    from robodyn.loads.accumulate import output_names
+    from robodyn.loads.torques import torques
+    from robodyn.report.limits import verdict_section
+    from robodyn.report.torques import pose_sections, torques_json
+    from robodyn.report.torques_page import torques_page
+    from robodyn.trajectory.read import pose
+
+    check_names()
+    model, scene = robot_in_scene(call, urdf, loops=True, contacts=True)
+    state, columns = pose(model, call.at, call.qd or (), qdd or (), scene), []
+    sinks = [lambda _, values: columns.append(values[0])]
+    result = torques(model, state, scene, sinks=sinks, history=call.pictured, threads=call.threads, **loads)
+    sections = pose_sections(result, output_names(model, loads["reactions"], scene=scene), columns[0], loads["explain"])
+    page, last = partial(torques_page, result, model, scene), verdict_section(result)
+    answer(call, sections, page, last=last, json=lambda: torques_json(result))
+    return int(call.fail_on_limits and result.within_limits is False)
+
+
+def _single(call: Call, urdf: str, trajectory: str, loads: dict[str, Any], example: bool) -> int:
     from robodyn.cli.progress import watched
     from robodyn.loads.accumulate import output_names
     from robodyn.loads.torques import torques
     from robodyn.report.limits import verdict_section
-    from robodyn.report.torques import pose_sections, torques_sections
-    from robodyn.trajectory.read import pose, read_motion
+    from robodyn.report.torques import torques_sections
+    from robodyn.trajectory.read import read_motion
     from robodyn.trajectory.write import format_of, open_writer
 
     check_names()
     expect(ROBOT, urdf)
-    if trajectory is not None:
-        expect(TABLE, trajectory)
+    expect(TABLE, trajectory)
     if call.out:
         format_of(call.out)
     model, scene = robot_in_scene(call, urdf, loops=True, contacts=True)
-    if example and trajectory is not None:
+    if example:
         _write_example(trajectory, model, scene)
-    way = (
-        None
-        if call.accuracy is None or trajectory is None
-        else _arithmetic(call, call.accuracy, trajectory, model, scene)
-    )
+    way = None if call.accuracy is None else _arithmetic(call, call.accuracy, trajectory, model, scene)
     if way is not None and way.executor:
         loads["executor"] = way.executor
     names = output_names(model, loads["reactions"], loads["momentum"] is not None, scene)
-    columns: list[Floats] = []
     with ExitStack() as stack:
-        reader: TrajectoryReader | Trajectory
-        sinks: list[Sink] = [lambda _, values: columns.append(values)] if trajectory is None else []
-        if trajectory is None:
-            reader = pose(model, call.at, call.qd, qdd, scene)
-        else:
-            reader = stack.enter_context(read_motion(trajectory, model, scene, **call.reading))
-            sinks.append(stack.enter_context(watched(reader)))
+        reader = stack.enter_context(read_motion(trajectory, model, scene, **call.reading))
+        sinks = []
         if call.out is not None:  # the file is there whole when all ends well
             from robodyn.support.threads import write_behind
 
             sinks.append(stack.enter_context(write_behind(stack.enter_context(open_writer(call.out, names)).write)))
+        sinks.append(stack.enter_context(watched(reader)))
         result = torques(model, reader, scene, sinks=sinks, history=call.pictured, **loads)
     result = way.fulfilled(result) if way else result
     lines = ""
@@ -234,10 +247,7 @@ def _single(call: Call, urdf: str, trajectory: str | None, loads: dict[str, Any]
 
         return torques_json(result)
 
-    if trajectory is None:
-        sections = pose_sections(result, names, columns[0][0], loads["explain"])
-    else:
-        sections = torques_sections(result, loads["explain"])
+    sections = torques_sections(result, loads["explain"])
     answer(call, sections, document, lines, last=verdict_section(result), json=json)
     unmet = result.accuracy is not None and not result.accuracy.met
     return int(unmet or (call.fail_on_limits and result.within_limits is False))

@@ -259,7 +259,9 @@ class TorqueAccumulator:
         if self.courses is None:
             return None
         at_peak = self.statistics.at_peak
-        return History(*self.courses, tuple(at_peak[k] for k in range(len(at_peak))), self.sizing and self.sizing.heat)
+        return History(
+            *self.courses, tuple(at_peak[k] for k in range(len(at_peak))), self.sizing.heat if self.sizing else None
+        )
 
     def _run(self, runner: Runner, sources: Mapping[str, Floats], expected: int) -> Run:
         executor, threads = self.options.executor, self.options.threads

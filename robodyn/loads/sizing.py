@@ -254,7 +254,7 @@ class SizingPass:
     """Gathers what `Sizing` tells, block by block; trains: joints with motors, by their place among `joints`."""
 
     def __init__(self, model: Model, scene: Scene, joints: Sequence[Joint], rates: slice, history: bool) -> None:
-        """Args: joints: those whose loads are reported; rates: their entries of tau; history: keep courses for pages."""
+        """Args: joints: those whose loads are reported; rates: their entries of tau; history: keep courses."""
         self.model, self.scene, self.rates, self.history = model, scene, rates, history
         self.heat: Heat | None = None
         self.trains = [(k, train) for k, joint in enumerate(joints) if (train := train_of(joint, scene)) is not None]
@@ -307,8 +307,7 @@ class SizingPass:
         duration = self.integrals.duration
         motors = {k: self.motors.load(i, duration, inertias[k]) for i, k in enumerate(self.driven)}
         if self.motors.heat is not None:
-            names, losses = [loads[k].name for k in self.driven], [motors[k].gear_loss for k in self.driven]
-            self.heat = self.motors.heat.report(names, losses, self.history)
+            self.heat = self.motors.heat.report([loads[k].name for k in self.driven], self.history)
             motors = {k: replace(motors[k], heat=self.heat.motors.get(i)) for i, k in enumerate(self.driven)}
         joints = tuple(self._joint(k, load, motors.get(k), duration) for k, load in enumerate(loads))
         base = self.base.ranges()

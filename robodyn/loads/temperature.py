@@ -1,10 +1,9 @@
 """Motors as heat: winding and housing along a motion and when it is repeated for ever, and power on the DC bus.
 
-`C_w x' = R (T/k)^2 - (x - y)/R_wh` and `C_h y' = (x - y)/R_wh - y/R_ha`, x and y above ambient, R and k at the winding's
-temperature. Between two rows T^2 is held at its mean, so that the integral of T^2 is that of the RMS torque; for that the
-solution is exact: the exponential of each interval's matrix, intervals composed to the map of the whole motion, whose
-fixed point is the periodic steady state. Where k depends on temperature the loss is no line; Newton's method on the whole
-course meets it.
+`C_w x' = R (T/k)^2 - (x - y)/R_wh` and `C_h y' = (x - y)/R_wh - y/R_ha`, x and y above ambient, R and k at that of the
+winding. Between two rows T^2 is held at its mean, so that its integral is that of the RMS torque; for that the solution is exact:
+the exponential of each interval's matrix, intervals composed to the map of the whole motion, whose fixed point is the
+periodic steady state. Where k depends on temperature the loss is no line; Newton's method on the whole course meets it.
 
 Accuracy: 1e-9 of the analytic solution with constant coefficients (a test); motions of more than `MOST` rows are held in
 pairs, fours ... of intervals, each with its integral of T^2.
@@ -18,17 +17,18 @@ from math import ceil, isqrt, log, log1p
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robodyn.scene.scene import Thermal
-from robodyn.support.floats import BEYOND, Floats, first_largest
+from robodyn.support.floats import Floats, first_largest
 
 MOST = 1 << 17
 """Intervals that are kept of a motion, at most."""
 _SHOWN, _CYCLES = 2000, 150
 """Points of a page's curves, at most."""
-_NEWTON, _FOR_EVER = 60, 1 << 40
-_MELTED = 1e9
-"""Kelvin above ambient at which numbers stop."""
+_NEWTON = 60
+_SCALE, _MELTED = 500.0, 1e9
+"""Kelvin above ambient at which a page's curve ends that is never steady, and at which numbers do."""
 _LAST = 0.005
 """The share of the way to the steady state that is left where a page's curve over cycles ends."""
 
@@ -38,18 +38,16 @@ class MotorHeat:
     """How hot a motor gets, and what it takes from the DC bus; temperatures in degrees Celsius.
 
     Attributes:
-        ambient, start, winding_limit, housing_limit: as the scene has them.
-        winding_once, winding_once_time, housing_once: greatest along the motion, done once from `start`, when [s].
+        ambient, winding_limit, housing_limit: as the scene has them.
+        winding_once, winding_once_time, housing_once: greatest along the motion, done once from the start, when [s].
         winding, winding_time, housing: greatest where the motion is repeated for ever; None where each cycle heats more
             than it cools (thermal runaway).
-        seconds_to_limit: of repeating the motion until the winding passes its limit; None if it does not, or where the
-            torque constant depends on temperature.
-        copper_loss, gear_loss: per cycle [J], at the limit where it runs away; drawn, returned: energy from the bus and, negative, back to it [J].
+        copper_loss: per cycle [J], at the limit where it runs away; drawn, returned: energy from the bus and,
+            negative, back to it [J].
         peak_power, least_power: of the bus, between rows [W].
     """
 
     ambient: float
-    start: float
     winding_limit: float
     housing_limit: float | None
     winding_once: float | None
@@ -58,18 +56,11 @@ class MotorHeat:
     winding: float | None
     winding_time: float | None
     housing: float | None
-    seconds_to_limit: float | None
     copper_loss: float
-    gear_loss: float
     drawn: float
     returned: float
     peak_power: float
     least_power: float
-
-    @property
-    def housed(self) -> bool:
-        """Whether the housing is more than the ambient."""
-        return self.housing_once != self.ambient or self.housing not in (None, self.ambient)
 
 
 @dataclass(frozen=True)
@@ -79,35 +70,34 @@ class Bus:
 
     motors: tuple[str, ...]
     missing: tuple[str, ...]
-    peak_power: float
-    least_power: float
     mean_power: float
     drawn: float
     returned: float
+    peak_power: float
+    least_power: float
 
 
 class HeatCourse(NamedTuple):
-    """Of one motor what a page shows: over `time` (B,) winding and housing (B, 2) done once and in the steady state (or
-    None); its copper loss and bus power, least and greatest in each bucket; over cycles `begins` [s] the hottest winding
-    of each, and its housing."""
+    """What a page shows of one motor: over time (B,) winding and housing (B, 2), once and repeated for ever, and its
+    copper loss, least and greatest in each bucket; over the time since the start (C,) the greatest of each cycle (C, 2),
+    by the map of a cycle, which with a torque constant that depends on temperature is that near the steady state."""
 
     name: str
     time: Floats
-    once: Floats
+    once: Floats | None
     steady: Floats | None
     copper: tuple[Floats, Floats]
-    power: tuple[Floats, Floats]
     begins: Floats
     hottest: Floats
 
 
 class Heat(NamedTuple):
-    """Results of motors, by their place; courses: (time, power, least and greatest) of the bus, and those of motors."""
+    """Results of motors, by their place, and of the bus; for pages courses of motors, and the bus's power."""
 
     motors: dict[int, MotorHeat]
     bus: Bus
-    courses: tuple[HeatCourse, ...]
-    bus_power: tuple[Floats, Floats]
+    courses: list[HeatCourse]
+    power: tuple[Floats, Floats]
 
 
 class HeatPass:
@@ -134,51 +124,43 @@ class HeatPass:
             whole = np.hstack(self._kept)
             self._kept, self._per = [np.add.reduceat(whole, np.arange(0, whole.shape[1], 2), axis=1)], 2 * self._per
 
-    def report(self, names: Sequence[str], gear_losses: Floats, history: bool) -> Heat:
-        """Return what motors of these names, with these losses of their gears [J], get to; with courses for pages."""
-        still, last = not self._kept, self._last[:, 0]  # a pose is held for ever
-        whole = np.append(1.0, last[1:])[:, None] if still else np.hstack(self._kept)
-        steps, means, k = whole[0], whole[1:] / (1.0 if still else whole[0]), len(self.places)
-        per_cycle = 0.0 * steps if still else steps
-        time = self.start + np.append(0.0, np.cumsum(per_cycle))
+    def report(self, names: Sequence[str], history: bool) -> Heat:
+        """Return what motors of these names get to, and their courses if a page shows them."""
+        still, last, k = not self._kept, self._last[:, 0], len(self.places)
+        whole = np.append(1.0, last[1:])[:, None] if still else np.hstack(self._kept)  # a pose is held for ever
+        steps, means = 0.0 * whole[0] if still else whole[0], whole[1:] / whole[0]
+        time, total = self.start + np.append(0.0, np.cumsum(steps)), float(np.sum(steps))
         shown = np.unique(np.linspace(0, len(steps) - 1, _SHOWN).astype(int))
         motors, courses, bus = dict[int, MotorHeat](), list[HeatCourse](), np.zeros(len(steps))
         for place, square, mechanical in zip(self.places, means[:k], means[k:], strict=True):
             thermal = self.thermals[place]
-            begin = 0.0 if thermal.start is None else thermal.start - thermal.ambient
-            cold = np.array((begin, begin if thermal.housing_capacity else 0.0))
-            once = np.array((cold, cold)) if still else response(thermal, steps, square, cold)[0]
-            steady, maps = response(thermal, steps, square, None)
+            start = 0.0 if thermal.start is None else thermal.start - thermal.ambient
+            cold = np.array((start, start if thermal.housing_capacity else 0.0))
+            once = response(thermal, steps, square, cold)[0]
+            steady, maps = response(thermal, whole[0], square, None)
             limit = np.full((len(time), 1), thermal.winding_limit - thermal.ambient)
             hot = steady if steady is not None else limit if once is None else np.minimum(once, limit)
             copper = square * loss_factor(thermal, 0.5 * (hot[1:, 0] + hot[:-1, 0]))[0]
             electric = mechanical + copper
             power = electric * np.where(electric > 0.0, 1.0 / thermal.drive_efficiency, thermal.drive_efficiency)
             bus += power
-            until = None if still or thermal.torque_coefficient else _cycles_to_limit(thermal, cold, maps)
-            motors[place] = MotorHeat(
-                thermal.ambient,
-                thermal.ambient + begin,
-                thermal.winding_limit,
-                thermal.housing_limit,
-                *_greatest(thermal, once, time),
-                *_greatest(thermal, steady, time),
-                None if until is None else _time_of_limit(thermal, cold, maps, until, time - self.start),
-                float(np.sum(copper * per_cycle)),
-                float(gear_losses[place]),
-                *_energies(power, per_cycle),
-            )
+            given = thermal.ambient, thermal.winding_limit, thermal.housing_limit
+            reached = *_greatest(thermal, once, time), *_greatest(thermal, steady, time)
+            motors[place] = MotorHeat(*given, *reached, float(np.sum(copper * steps)), *_energies(power, steps))
             if history and not still:
-                bands = [(np.minimum.reduceat(x, shown), np.maximum.reduceat(x, shown)) for x in (copper, power)]
-                curves = [None if x is None else thermal.ambient + x[shown] for x in (once, steady)]
-                cycles, over = _over_cycles(maps, cold, until if steady is None else None)
-                begins = cycles * float(per_cycle.sum())
-                courses.append(HeatCourse(names[place], time[shown], *curves, *bands, begins, thermal.ambient + over))
-        drawn, returned, most, least = _energies(bus, per_cycle)
-        mean = float(np.sum(bus * steps) / np.sum(steps))
-        missing = tuple(name for i, name in enumerate(names) if i not in self.places)
-        found = Bus(tuple(names[i] for i in self.places), missing, most, least, mean, drawn, returned)
-        return Heat(motors, found, tuple(courses), (np.minimum.reduceat(bus, shown), np.maximum.reduceat(bus, shown)))
+                over = [None if x is None else thermal.ambient + x[shown] for x in (once, steady)]
+                cycles, hottest = _over_cycles(maps, cold)
+                parts = _bands(copper, shown), cycles * total, thermal.ambient + hottest
+                courses.append(HeatCourse(names[place], time[shown], over[0], over[1], *parts))
+        own, missing = [names[i] for i in self.places], [name for i, name in enumerate(names) if i not in self.places]
+        mean = float(np.sum(bus * whole[0]) / np.sum(whole[0]))
+        shared = Bus(tuple(own), tuple(missing), mean, *_energies(bus, steps))
+        return Heat(motors, shared, courses, _bands(bus, shown))
+
+
+def _bands(values: Floats, at: NDArray[np.int64]) -> tuple[Floats, Floats]:
+    """Return the least and the greatest from each place to the next."""
+    return np.minimum.reduceat(values, at), np.maximum.reduceat(values, at)
 
 
 def loss_factor(thermal: Thermal, rise: Floats) -> tuple[Floats, Floats]:
@@ -207,14 +189,11 @@ def response(thermal: Thermal, steps: Floats, square: Floats, start: Floats | No
         maps = prefixes(_intervals(thermal, steps, square * slope, square * (factor - slope * inside)))
         begin, whole = start, maps[..., -1]
         if begin is None:
-            D = whole[:, :2]
-            trace, det = D[0, 0] + D[1, 1], D[0, 0] * D[1, 1] - D[0, 1] * D[1, 0]
+            trace, det = _invariants(whole)
             if not (trace < 0.0 and det > 0.0):  # an eigenvalue of I + D is 1 or more: it heats more than it cools
                 return None, maps
-            begin = (
-                np.array((D[0, 1] * whole[1, 2] - D[1, 1] * whole[0, 2], D[1, 0] * whole[0, 2] - D[0, 0] * whole[1, 2]))
-                / det
-            )
+            (a, b, u), (c, d, v) = whole
+            begin = np.array((b * v - d * u, c * u - a * v)) / det
         states = begin[:, None] + maps[:, 0] * begin[0] + maps[:, 1] * begin[1] + maps[:, 2]
         states = np.column_stack((begin, states))
         before, inside = inside, 0.5 * (states[0, 1:] + states[0, :-1])
@@ -223,6 +202,12 @@ def response(thermal: Thermal, steps: Floats, square: Floats, start: Floats | No
         if not thermal.torque_coefficient or np.abs(inside - before).max() <= 1e-11 * (1.0 + np.abs(inside).max()):
             return states.T, maps
     return None, maps
+
+
+def _invariants(whole: Floats) -> tuple[float, float]:
+    """Return the trace and the determinant of the D of a map (2, 3)."""
+    (a, b, _), (c, d, _) = whole.tolist()
+    return a + d, a * d - b * c
 
 
 def _intervals(thermal: Thermal, steps: Floats, gain: Floats, heat: Floats) -> Floats:
@@ -236,11 +221,8 @@ def _intervals(thermal: Thermal, steps: Floats, gain: Floats, heat: Floats) -> F
     lower = 0.5 * (a + d) - np.sqrt(0.25 * (a - d) ** 2 + b * c)
     upper = a + d - lower
     lower, upper = lower * steps, upper * steps
-    (p, q), gap = (
-        (np.where(z == 0.0, 1.0, np.expm1(z) / np.where(z == 0.0, 1.0, z)) for z in (lower, upper)),
-        upper - lower,
-    )
-    slope = np.where(gap > 0.0, (q - p) / np.where(gap > 0.0, gap, 1.0), 0.0)
+    p, q = (np.where(z == 0.0, 1.0, np.expm1(z) / np.where(z == 0.0, 1.0, z)) for z in (lower, upper))
+    slope = np.where(upper > lower, (q - p) / np.where(upper > lower, upper - lower, 1.0), 0.0)
     phi = np.array((p + slope * (a * steps - lower), slope * c * steps))  # its first column
     second = np.array((slope * b * steps, p + slope * (d * steps - lower)))
     D = np.array([[steps * (a * x[0] + b * x[1]), steps * (c * x[0] + d * x[1])] for x in (phi, second)])
@@ -253,7 +235,7 @@ def then(first: Floats, second: Floats) -> Floats:
 
 
 def prefixes(maps: Floats) -> Floats:
-    """Return the compositions of the first 1, 2 ... of maps (2, 3, G): of rows of a square side by side, then of rows."""
+    """Return the compositions of the first 1, 2 ... of maps (2, 3, G): inside rows of a square, then of rows."""
     G = maps.shape[2]
     rows = isqrt(G - 1) + 1
     square = np.zeros((2, 3, rows * rows))
@@ -277,51 +259,19 @@ def _greatest(thermal: Thermal, states: Floats | None, time: Floats) -> tuple[fl
     return thermal.ambient + hottest[0], float(time[at]), thermal.ambient + hottest[1]
 
 
-def _over_cycles(maps: Floats, start: Floats, until: int | None) -> tuple[Floats, Floats]:
-    """Return numbers of cycles, from 0, and the hottest winding and housing in each, until they are steady, or a limit
-    is passed if they never are."""
-    D = maps[:, :2, -1]
-    trace, det = D[0, 0] + D[1, 1], D[0, 0] * D[1, 1] - D[0, 1] * D[1, 0]
+def _over_cycles(maps: Floats, start: Floats) -> tuple[Floats, Floats]:
+    """Return numbers of cycles, from 0, and the hottest winding and housing of each, until they are steady."""
+    trace, det = _invariants(maps[..., -1])
     slowest = 2.0 * det / (trace - np.sqrt(max(trace * trace - 4.0 * det, 0.0)))  # D's eigenvalue nearest to 0
-    many = log(_LAST) / log1p(max(slowest, _LAST - 1.0)) if until is None and slowest < 0.0 else until or _CYCLES
+    many = log(_LAST) / log1p(max(slowest, _LAST - 1.0)) if slowest < 0.0 else _CYCLES
     stride = ceil(many / _CYCLES)
     step, states = _power(maps[..., -1], stride), [start]
-    while len(states) * stride <= many + stride:
-        states.append(_moved(states[-1], step))
-    return stride * np.arange(float(len(states))), np.array([_peaks(maps, x) for x in states])
-
-
-def _cycles_to_limit(thermal: Thermal, start: Floats, maps: Floats) -> int | None:
-    """Return how many cycles from the start the winding stays within its limit; None if for ever. It gets hotter from
-    cycle to cycle, or never as hot as in the first."""
-    limit, cycle = BEYOND * thermal.winding_limit - thermal.ambient, maps[..., -1]
-
-    def after(n: int) -> float:
-        return _peaks(maps, _moved(start, _power(cycle, n)))[0]
-
-    below, above = -1, 0
-    while after(above) <= limit:
-        below, above = above, max(2 * above, 1)
-        if above > _FOR_EVER:
-            return None
-    while above - below > 1:
-        middle = (above + below) // 2
-        below, above = (middle, above) if after(middle) <= limit else (below, middle)
-    return above
-
-
-def _time_of_limit(thermal: Thermal, start: Floats, maps: Floats, cycles: int, time: Floats) -> float:
-    """Return when the winding passes its limit [s], in the cycle after so many; time: (G + 1,) of a cycle, from 0."""
-    begin = _moved(start, _power(maps[..., -1], cycles))
-    winding = np.append(begin[0], begin[0] + maps[0, 0] * begin[0] + maps[0, 1] * begin[1] + maps[0, 2])
-    over = winding > BEYOND * thermal.winding_limit - thermal.ambient
-    return cycles * float(time[-1]) + float(time[int(over.argmax())])
-
-
-def _moved(x: Floats, change: Floats) -> Floats:
-    """Return a state (2,) after a map (2, 3)."""
-    moved: Floats = x + change[:, 0] * x[0] + change[:, 1] * x[1] + change[:, 2]
-    return moved
+    while len(states) * stride <= many + stride and states[-1][0] < _SCALE:
+        x = states[-1]
+        states.append(x + step[:, 0] * x[0] + step[:, 1] * x[1] + step[:, 2])
+    inside = [x[:, None] + maps[:, 0] * x[0] + maps[:, 1] * x[1] + maps[:, 2] for x in states]
+    peaks = [np.maximum(x, y.max(axis=1)) for x, y in zip(states, inside, strict=True)]
+    return stride * np.arange(float(len(states))), np.array(peaks)
 
 
 def _power(cycle: Floats, n: int) -> Floats:
@@ -330,12 +280,6 @@ def _power(cycle: Floats, n: int) -> Floats:
     while n:
         found, square, n = then(found, square) if n % 2 else found, then(square, square), n // 2
     return found
-
-
-def _peaks(maps: Floats, start: Floats) -> tuple[float, float]:
-    """Return the hottest winding and housing of a cycle, above ambient."""
-    winding, housing = start + (maps[:, 0] * start[0] + maps[:, 1] * start[1] + maps[:, 2]).max(axis=1)
-    return max(float(start[0]), float(winding)), max(float(start[1]), float(housing))
 
 
 def _energies(power: Floats, steps: Floats) -> tuple[float, float, float, float]:

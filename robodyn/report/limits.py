@@ -140,8 +140,8 @@ def _exceeded(result: Result | Simulation) -> list[tuple[str, str]]:
     """Return joint and sentence of all that is exceeded, once: first what breaks, by how many times the limit it is."""
     found: list[tuple[bool, float, str, str]] = []
     pose = getattr(result, "samples", 0) == 1
-    for excess in result.exceeded:
-        excess = replace(excess, time=None, seconds=0.0) if pose else excess
+    of_pose: dict[str, Any] = {"time": None, "seconds": 0.0} if pose else {}
+    for excess in (replace(each, **of_pose) for each in result.exceeded):
         beyond, position = abs(excess.value - excess.limit), excess.quantity == "position"
         times = float(steady(1.0 + beyond if position else excess.value / excess.limit))  # [rad, m] beyond a position
         found.append((False, -times, excess.joint, exceeded_words(excess)))

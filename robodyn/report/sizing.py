@@ -132,20 +132,11 @@ def _heat_sections(sizing: Sizing, size: Sizes) -> Iterator[Section]:
             continue
         temperatures = heat.winding_once, heat.winding, heat.housing_once, heat.housing
         row = ["runs away" if each is None else f"{each:.4g}" for each in temperatures]
-        passed = "-" if heat.seconds_to_limit is None else f"{heat.seconds_to_limit:.4g}"
-        hot.append([joint.name, f"{heat.start:g}", *row, f"{heat.winding_limit:g}", passed])
-        row = [size.number(each, "J") for each in (heat.copper_loss, heat.gear_loss, heat.drawn, heat.returned)]
+        hot.append([joint.name, *row, f"{heat.winding_limit:g}"])
+        row = [size.number(each, "J") for each in (heat.copper_loss, motor.gear_loss, heat.drawn, heat.returned)]
         losses.append([joint.name, *row, *(size.number(each, "W") for each in (heat.peak_power, heat.least_power))])
-    head = [
-        "joint",
-        "start",
-        "winding once",
-        "repeated for ever",
-        "housing once",
-        "repeated for ever",
-        "winding's limit",
-    ]
-    yield [Table("Temperatures of motors [degC], greatest", [*head, "passed after [s]"], hot)] if hot else []
+    head = ["joint", "winding once", "repeated for ever", "housing once", "repeated for ever", "winding's limit"]
+    yield [Table("Temperatures of motors [degC], greatest", head, hot)] if hot else []
     if (bus := sizing.bus) is not None:
         row = [size.number(each, "J") for each in (bus.drawn, bus.returned)]
         row += [size.number(each, "W") for each in (bus.peak_power, bus.least_power)]
@@ -174,7 +165,7 @@ def uses(load: JointLoad | JointUse, joint: JointSizing | None, pose: bool = Fal
         found.append((motor.rms, motor.continuous_limit, judged))
         if motor.heat is not None and motor.heat.winding is not None:
             heat, ambient = motor.heat, motor.heat.ambient
-            rise = max(heat.winding, heat.winding_once or ambient) - ambient
+            rise = max(each or ambient for each in (heat.winding, heat.winding_once)) - ambient
             found.append((rise, heat.winding_limit - ambient, "the winding's rise in temperature"))
         found.append((abs(motor.max_speed), motor.speed_limit, "the motor's speed"))
     found.append((abs(load.peak), load.effort_limit, "the effort limit"))

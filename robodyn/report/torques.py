@@ -100,8 +100,8 @@ def _effects(result: Result) -> Iterator[Section]:
 
 
 def pose_sections(result: Result, names: Sequence[str], columns: Floats, explain: bool = False) -> Iterator[Section]:
-    """Yield what a robot carries in one pose, of whose loads there are columns of these names (k,): joints, the wrenches
-    of base and joints, motors, limits; to explain also effects and the plan."""
+    """Yield what a robot carries in one pose, whose loads are columns of these names (k,): torques, wrenches, motors and
+    limits; to explain also effects and the plan."""
     size, loads = result_sizes(result), dict(zip(names, columns.tolist(), strict=True))
     moving = any(joint.max_speed for joint in result.joints)
     what = f"{count(len(result.joints), 'joint')}, one pose{'' if moving else ' at rest'}"
@@ -125,8 +125,6 @@ def pose_sections(result: Result, names: Sequence[str], columns: Floats, explain
     others = "loops and contacts on their link, " if result.constraints else ""
     title = f"Wrenches [N, N m]: {others}joints on their child link, about its origin and in its axes"
     yield [Table(title, ["", *COMPONENTS], rows)] if rows else []
-    if result.momentum:
-        yield [_momentum(result.momentum)]
     if result.sizing:
         yield from pose_sizing_sections(result, result.sizing)
     if result.uncertainty:

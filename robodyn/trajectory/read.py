@@ -169,11 +169,9 @@ def pose(model: Model, q: Values = (), qd: Values = (), qdd: Values = (), scene:
         raise InputError(what, remedy="give numbers in the scene, or a trajectory")
     state = configuration(model, q), rates(model, qd or ()), rates(model, qdd or ())
     if isinstance(q, Mapping) and scene.loops:  # which tell the other joints
-        still = dict.fromkeys(q, 0.0)
-        given = [
-            {name: [value] for name, value in {**part}.items()}
-            for part in (q, still | {**(qd or {})}, still | {**(qdd or {})})
-        ]
+        parts = [dict(part) if isinstance(part, Mapping) else {} for part in (q, qd, qdd)]
+        still = dict.fromkeys(parts[0], 0.0)
+        given = [{name: [x] for name, x in part.items()} for part in (parts[0], still | parts[1], still | parts[2])]
         return motion(model, [0.0], *given, scene=scene)
     return motion(model, [0.0], *(each[None] for each in state), scene=scene)
 
