@@ -209,10 +209,10 @@ def _thermal(table: TomlTable) -> parts.Thermal:
 
 
 def _gear(table: TomlTable, name: str, motors: Mapping[str, parts.Motor]) -> parts.GearLife:
-    if name not in motors:
-        raise table.error("no [motor] of this joint turns the gear", f"write [motor.{name}] with its gear ratio")
     life = table.table("life", what=f"[gear.{name}.life]")
     table.finish()
+    if name not in motors:
+        raise life.error("no [motor] of this joint turns the gear", f"write [motor.{name}] with its gear ratio")
     unit = _SPEEDS[life.value("speed_unit", Annotated[str, parts.one_of(*_SPEEDS)], "rad/s")]
     found: parts.GearLife = life.read(parts.GearLife, rated_speed=unit * life.field(parts.GearLife, "rated_speed"))
     return found
