@@ -28,8 +28,8 @@ MOST = 8
 """Motions that one report lays over each other."""
 _GROUPS = {
     "The robot and what surrounds it": "package-path xacro-arg trust-xacro scene payload gravity base-held",
-    "A pose, in place of a trajectory": "at qd qdd",
     "The trajectory": "hold map time-unit angle-unit derivatives encoder-error topic ignore-extra example",
+    "A pose, in place of it": "at qd qdd",
     "What is computed": "sizing momentum about frame explain accuracy",
     "A log with measured torques": "measured cutoff",
     "What is written": "out reactions fail-on-limits report format",

@@ -75,6 +75,9 @@ def train_of(joint: Joint, scene: Scene) -> Train | None:
         what = f"[motor] {joint.name}: its rotor has an axis, and motors are judged by rotors that turn in place"
         raise SceneError(what, remedy="leave axis and on of [rotor] out, or [motor]")
     geared = joint.reduction != 1.0 or (rotor is not None and rotor.ratio is not None)
+    if joint.name in scene.gear_life and not geared:
+        what = f"[gear] {joint.name}: its ratio is not said, and its life depends on the speed of its input"
+        raise SceneError(what, remedy=f"write [motor.{joint.name}] gear = turns of the motor per turn of the joint")
     return Train(motor, gear, inertia, joint.kind != "prismatic" or geared, scene.gear_life.get(joint.name))
 
 

@@ -1,11 +1,11 @@
 """Motors as heat: winding and housing along a motion and when it is repeated for ever, and power on the DC bus.
 
 `C_w x' = R (T/k)^2 - (x - y)/R_wh` and `C_h y' = (x - y)/R_wh - y/R_ha`, x and y above ambient, R and k at that of the
-winding. Between two rows T^2 is held at its mean, so that its integral is that of the RMS torque; for that the solution is exact:
-the exponential of each interval's matrix, intervals composed to the map of the whole motion, whose fixed point is the
-periodic steady state. Where k depends on temperature the loss is no line; Newton's method on the whole course meets it.
+winding. Between two rows T^2 is held at its mean, so that its integral is that of the RMS torque. For that the solution
+is exact: the exponential of each interval's matrix, intervals composed to the map of the whole motion, whose fixed point
+is the periodic steady state. Where k depends on temperature Newton's method on the whole course meets the loss.
 
-Accuracy: 1e-9 of the analytic solution with constant coefficients (a test); motions of more than `MOST` rows are held in
+Accuracy: 1e-9 of the analytic solution with constant coefficients (a test); motions of more than `MOST` rows are kept as
 pairs, fours ... of intervals, each with its integral of T^2.
 """
 
@@ -79,8 +79,8 @@ class Bus:
 
 class HeatCourse(NamedTuple):
     """What a page shows of one motor: over time (B,) winding and housing (B, 2), once and repeated for ever, and its
-    copper loss, least and greatest in each bucket; over the time since the start (C,) the greatest of each cycle (C, 2),
-    by the map of a cycle, which with a torque constant that depends on temperature is that near the steady state."""
+    copper loss, least and greatest in each bucket; over the time since the start (C,) the greatest of cycles (C, 2), by
+    the map of one, which with a torque constant that depends on temperature is that near the steady state."""
 
     name: str
     time: Floats

@@ -100,8 +100,8 @@ def _effects(result: Result) -> Iterator[Section]:
 
 
 def pose_sections(result: Result, names: Sequence[str], columns: Floats, explain: bool = False) -> Iterator[Section]:
-    """Yield what a robot carries in one pose, whose loads are columns of these names (k,): torques, wrenches, motors and
-    limits; to explain also effects and the plan."""
+    """Yield what a robot carries in one pose, loads (k,) of these names: torques, wrenches, motors, limits; to explain
+    also effects and the plan."""
     size, loads = result_sizes(result), dict(zip(names, columns.tolist(), strict=True))
     moving = any(joint.max_speed for joint in result.joints)
     what = f"{count(len(result.joints), 'joint')}, one pose{'' if moving else ' at rest'}"
@@ -305,6 +305,7 @@ def torques_json(result: Result) -> str:
             "joints": result.sizing.joints,
             "bearings": bearings,
             "foundation": _by_name(result.sizing.foundation),
+            **({} if result.sizing.bus is None else {"bus": result.sizing.bus}),
         }
     optional = {"momentum": result.momentum, "accuracy": result.accuracy, "sizing": sizing}
     optional |= {"constraints": result.constraints, "uncertainty": result.uncertainty}

@@ -85,6 +85,7 @@ def scene_from(values: Mapping[str, Any], sources: Sources) -> Scene:
             raise SceneError(what, remedy="give [[contact]] name, link and point or polygon", file=sources[0][1])
     table = TomlTable(values, WHOLE, sources)
     rotors = {name: _rotor(entry) for name, entry in table.tables("rotor")}
+    gears = {name: _gear(entry) for name, entry in table.tables("gear")}
     motors = {name: _motor(entry, name, rotors) for name, entry in table.tables("motor")}
     contacts = tuple(_contact(entry) for entry in table.list("contact"))
     loops = tuple(_loop(entry) for entry in table.list("loop"))
@@ -101,8 +102,8 @@ def scene_from(values: Mapping[str, Any], sources: Sources) -> Scene:
     return table.read(
         Scene,
         friction={name: _friction(entry) for name, entry in table.tables("friction")},
-        motor=motors,
-        gear_life={name: _gear(entry, name, motors) for name, entry in table.tables("gear")},
+        motor={**{name: parts.Motor() for name in gears}, **motors},
+        gear_life=gears,
         rotor=rotors,
         coupled=tuple(_coupled(entry) for entry in table.list("coupled")),
         spring={name: entry.read(parts.Spring) for name, entry in table.tables("spring")},
@@ -208,11 +209,9 @@ def _thermal(table: TomlTable) -> parts.Thermal:
     return found
 
 
-def _gear(table: TomlTable, name: str, motors: Mapping[str, parts.Motor]) -> parts.GearLife:
-    life = table.table("life", what=f"[gear.{name}.life]")
+def _gear(table: TomlTable) -> parts.GearLife:
+    life = table.table("life", what=f"{table.what} life")
     table.finish()
-    if name not in motors:
-        raise life.error("no [motor] of this joint turns the gear", f"write [motor.{name}] with its gear ratio")
     unit = _SPEEDS[life.value("speed_unit", Annotated[str, parts.one_of(*_SPEEDS)], "rad/s")]
     found: parts.GearLife = life.read(parts.GearLife, rated_speed=unit * life.field(parts.GearLife, "rated_speed"))
     return found

@@ -68,14 +68,14 @@ def test_exponent_of_life_is_that_of_the_mean_torque():
     speed = 50 * (20 + 5) / 3 * RPM
     assert joint.motor.gear_life.mean_torque == pytest.approx(mean, rel=1e-7)
     assert joint.motor.gear_life.life == pytest.approx(6000 * 150 / speed * (100 / mean) ** (10 / 3), rel=1e-6)
-    _, still = driven([(90, 0, 0, 1)], gear_life=life)
+    _, still = driven([(90, 0, 0, 1)], rotor=Rotor(0.0, gear=50.0), gear_life=life)
     assert still.motor.gear_life.life is None
 
 
 def test_maxons_selection_of_a_drive():
     """maxon catalogue, example of selecting a drive: 140 000 g cm^2 to 60 rpm in 0.5 s, friction 300 mNm, 2 s of this,
-    0.5 s to rest, 0.7 s of standstill. Printed: 476, 300, 124 mNm, RMS 285 mNm, 3 W; with a gear 84:1 of 59 %: 5040 rpm,
-    RMS 5.75 mNm, largest 9.6 mNm."""
+    0.5 s to rest, 0.7 s of standstill. Printed: 476, 300, 124 mNm, RMS 285 mNm, 3 W; with a gear 84:1 of 59 %:
+    5040 rpm, RMS 5.75 mNm, largest 9.6 mNm."""
     alpha = 0.014 * 60 * RPM / 0.5
     phases = [(alpha, 0, 60, 0.5), (0, 60, 60, 2), (-alpha, 60, 0, 0.5), (0, 0, 0, 0.7)]
     phases[0], phases[2] = (alpha, 1e-9, 60, 0.5), (-alpha, 60, 1e-9, 0.5)
@@ -132,7 +132,6 @@ WRONG = [
     ("[motor.j]\n" + THERMAL + "drive_efficiency = 1.1", 8, '"drive_efficiency" is 1.1'),
     ("[motor.j]\n" + THERMAL + "ambiant = 20", 8, 'unknown key "ambiant"'),
     ("[motor.j]\nthermal = 3", 2, "is 3, not a table"),
-    ("[gear.j.life]\nrated_life = 1\nrated_torque = 1\nrated_speed = 1", 1, "no .motor. of this joint"),
     ("[motor.j]\n[gear.j]\nratio = 3", 2, '"life" is missing'),
     ("[motor.j]\n[gear.j.life]\nrated_life = 1\nrated_torque = 1", 2, '"rated_speed" is missing'),
     ("[motor.j]\n[gear.j.life]\nrated_life = 1\nrated_torque = 1\nrated_speed = 1\nexponent = 0", 6, '"exponent" is 0'),
@@ -144,6 +143,13 @@ def test_wrong_scenes_name_the_line(text, line, said):
     with pytest.raises(SceneError, match=said) as error:
         parse_scene(text.encode(), "s.toml")
     assert str(error.value).startswith(f"s.toml:{line}:")
+
+
+def test_life_needs_a_ratio():
+    scene = parse_scene(b"[gear.j.life]\nrated_life = 1\nrated_torque = 1\nrated_speed = 1")
+    model, zero = mover(), np.zeros((2, 1))
+    with pytest.raises(SceneError, match="its ratio is not said"):
+        robodyn.torques(model, motion(model, [0.0, 1.0], zero, zero, zero), scene)
 
 
 def test_capacities_follow_from_time_constants():
