@@ -2,11 +2,11 @@
 
 `C_w x' = R (T/k)^2 - (x - y)/R_wh` and `C_h y' = (x - y)/R_wh - y/R_ha`, x and y above ambient, R and k at that of the
 winding. Between two rows T^2 is held at its mean, so that its integral is that of the RMS torque. For that the solution
-is exact: the exponential of each interval's matrix, intervals composed to the map of the whole motion, whose fixed point
-is the periodic steady state. Where k depends on temperature Newton's method on the whole course meets the loss.
+is exact: the exponential of each interval's matrix, intervals composed to the map of the motion, whose fixed point is
+the periodic steady state. Where k depends on temperature Newton's method on the whole course meets the loss.
 
-Accuracy: 1e-9 of the analytic solution with constant coefficients (a test); motions of more than `MOST` rows are kept as
-pairs, fours ... of intervals, each with its integral of T^2.
+Accuracy: 1e-9 of the analytic solution with constant coefficients (a test); motions of more than `MOST` rows are kept
+as pairs, fours ... of intervals, each with its integral of T^2.
 """
 
 from __future__ import annotations

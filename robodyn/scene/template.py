@@ -89,7 +89,7 @@ _SPIN = "Rotors whose gyroscopic moments count: on the link that carries them, a
 _MOTOR = """Data sheets of motors, by which torques judges them: peak and continuous N m at the motor's shaft, a number
 or [[speed, torque], ...]; max_speed rad/s; efficiency of the gear; gear and inertia here or in rotor; slides may have
 lead m per turn or pitch_radius m."""
-_THERMAL = """How a motor heats up: ohm, N m/A, K/W, J/K, degrees Celsius; beside its data sheet as [motor.JOINT.thermal].
+_THERMAL = """How a motor heats up: ohm, N m/A, K/W, J/K, degrees Celsius; beside a data sheet [motor.JOINT.thermal].
 torques then tells its temperatures along the motion and repeated for ever, and the power on the DC bus."""
 _GEAR = "Lives of gears whose ratio is known: h at this torque of the output N m and this speed of the input rad/s."
 _RATED = "rated_life = 7000.0, rated_torque = 50.0, rated_speed = 200.0"

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from helpers.command_line import ROBOTS
 from helpers.small_robots import built, link
 from scipy.integrate import solve_ivp, trapezoid
 from scipy.linalg import expm
@@ -13,6 +14,7 @@ from scipy.linalg import expm
 import robodyn
 from robodyn.loads import temperature
 from robodyn.loads.temperature import HeatPass, loss_factor, response
+from robodyn.scene.read import load_scene
 from robodyn.scene.scene import Motor, Rotor, Scene, Thermal
 from robodyn.trajectory.read import motion
 
@@ -91,6 +93,14 @@ def test_periodic_steady_state_of_a_duty_cycle_is_the_analytic_one():
     hottest = on @ begin + gained
     assert abs(heat.winding - 25 - hottest[0]) <= 2e-9 * hottest[0]
     assert heat.winding_time == pytest.approx(3.0, abs=1e-6)
+
+
+def test_short_cycles_of_slow_motors_keep_their_digits():
+    """1 s of 1000 rows, and a housing that takes 2e5 s: what a cycle changes is small beside what it keeps."""
+    slow = replace(CONSTANT, housing_capacity=4e4)
+    heat = heated(slow, np.linspace(0, 1, 1001), np.full(1001, 0.05)).sizing.joints[0].motor.heat
+    assert abs(heat.winding - 25 - 12.4) <= 1e-11
+    assert abs(heat.housing - 25 - 10.0) <= 1e-11
 
 
 @pytest.mark.parametrize("thermal", [COPPER, MAGNETS])
@@ -250,3 +260,25 @@ def test_gear_takes_its_share_of_the_energy():
     motor = robodyn.torques(model, motion(model, t, 0 * qd, qd, np.cos(t)[:, None]), scene).sizing.joints[0].motor
     load = 2.0  # J w per half cycle of accelerating, two of them
     assert motor.gear_loss == pytest.approx(load * (1 / 0.8 - 1) + load * (1 - 0.8), rel=1e-6)
+
+
+def test_example_of_the_puma_row_by_row():
+    """The waist of robots/puma560_heat.toml: maps of single rows by expm, composed, and their fixed point, at 1e-9."""
+    model, scene = (
+        robodyn.load(f"{ROBOTS}/puma560.urdf"),
+        load_scene(*(f"{ROBOTS}/puma560_{x}.toml" for x in ("sizing", "heat"))),
+    )
+    result = robodyn.torques(model, f"{ROBOTS}/puma560_sweep.csv", scene, history=True)
+    columns = dict(zip(result.history.motion.names, result.history.motion.first.T, strict=True))
+    gear, inertia = -62.6111, 200e-6
+    T = (columns["tau_waist"] - gear**2 * inertia * columns["qdd_waist"]) / gear + gear * inertia * columns["qdd_waist"]
+    squares, steps = 0.5 * (T[1:] ** 2 + T[:-1] ** 2), np.diff(columns["time"])
+    whole = np.eye(3)
+    for h, square in zip(steps, squares, strict=True):
+        loss, M = 1.6 * square / 0.25**2, np.zeros((3, 3))
+        M[:2, :2] = [[(0.00393 * loss - 1 / 1.2) / 20, 1 / 24], [1 / 480, -1 / 480 - 1 / 1200]]
+        M[0, 2] = loss / 20
+        whole = expm(M * h) @ whole
+    begin = np.linalg.solve(np.eye(2) - whole[:2, :2], whole[:2, 2])
+    course = result.history.heat.courses[0]
+    assert np.abs(course.steady[0] - 25 - begin).max() <= 1e-9 * begin.max()
