@@ -25,6 +25,7 @@ ARGUMENTS = ("--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftsh
 MOTIONS = {
     "fixed": "torques puma560.urdf puma560_sweep.csv",
     "motors": "torques puma560.urdf puma560_sweep.csv --scene puma560_sizing.toml",
+    "heat": "torques puma560.urdf puma560_sweep.csv --scene puma560_sizing.toml --scene puma560_heat.toml",
     "prismatic": "torques scara.urdf scara_pick_and_place.csv",
     "mimic": "torques gripper.urdf gripper_pick.csv --scene gripper.toml",
     "floating": "torques satellite.urdf satellite_slew.csv --scene satellite.toml",
