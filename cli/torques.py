@@ -188,8 +188,9 @@ def _posed(call: Call, urdf: str, qdd: Any, loads: dict[str, Any]) -> int:
     state, columns = pose(model, call.at, call.qd or (), qdd or (), scene), []
     sinks = [lambda _, values: columns.append(values[0])]
     result = torques(model, state, scene, sinks=sinks, history=call.pictured, threads=call.threads, **loads)
-    sections = pose_sections(result, output_names(model, loads["reactions"], scene=scene), columns[0], loads["explain"])
-    page, last = partial(torques_page, result, model, scene), verdict_section(result)
+    names = output_names(model, loads["reactions"], scene=scene)
+    sections = list(pose_sections(result, names, columns[0], loads["explain"]))
+    page, last = partial(torques_page, result, model, scene, pose=sections), verdict_section(result)
     answer(call, sections, page, last=last, json=lambda: torques_json(result))
     return int(call.fail_on_limits and result.within_limits is False)
 

@@ -28,6 +28,7 @@ _WORDS = {
     "velocity": ("the joint's speed", "the description allows"),
 }
 """Of a quantity what it is, and what limits it."""
+UNJUDGED = "not judged: temperature is"
 _WORST = ("over peak", "over temperature", "over continuous", "OK", "no limits")
 _NAMED = 8
 """Joints that are named at most."""
@@ -161,7 +162,7 @@ def uses(load: JointLoad | JointUse, joint: JointSizing | None, pose: bool = Fal
             found.append(
                 (near.torque, near.limit, "the peak curve" if pose else f"the peak curve at {near.time:.6g} s")
             )
-        judged = "the continuous torque" if motor.heat is None else "the continuous torque (not judged: temperature is)"
+        judged = "the continuous torque" if motor.heat is None else f"the continuous torque ({UNJUDGED})"
         found.append((motor.rms, motor.continuous_limit, judged))
         if motor.heat is not None and motor.heat.winding is not None:
             heat, ambient = motor.heat, motor.heat.ambient
