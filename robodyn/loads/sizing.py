@@ -193,11 +193,12 @@ class MotorPass(ShaftFigures):
         totals = self.integrals.totals
         travel, wear = float(totals["joint travel"][i]), float(totals["life"][i])
         torque = (wear / travel) ** (1.0 / gear.exponent) if travel else float(self.gear.score[i])
-        worn = speed > 0.0 and torque > 0.0
-        life = (
-            gear.rated_life * gear.rated_speed / speed * (gear.rated_torque / torque) ** gear.exponent if worn else 0.0
-        )
-        return GearUse(life if worn and life < LARGEST else None, torque, speed)
+        life = np.inf
+        if speed > 0.0 and torque > 0.0:
+            life = (
+                float(np.power(gear.rated_torque / torque, gear.exponent)) * gear.rated_life * gear.rated_speed / speed
+            )
+        return GearUse(life if life < LARGEST else None, torque, speed)
 
 
 class BearingPass:

@@ -19,6 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from robodyn.errors import SceneError
 from robodyn.scene.scene import Thermal
 from robodyn.support.floats import Floats, first_largest
 
@@ -152,6 +153,9 @@ class HeatPass:
                 cycles, hottest = _over_cycles(maps, cold)
                 parts = _bands(copper, shown), cycles * total, thermal.ambient + hottest
                 courses.append(HeatCourse(names[place], time[shown], over[0], over[1], *parts))
+        if not np.isfinite(bus).all():
+            remedy = "are resistance and torque_constant in ohm and N m/A?"
+            raise SceneError("[motor.thermal]: the power of motors overflows", remedy=remedy)
         own, missing = [names[i] for i in self.places], [name for i, name in enumerate(names) if i not in self.places]
         mean = float(np.sum(bus * whole[0]) / np.sum(whole[0]))
         shared = Bus(tuple(own), tuple(missing), mean, *_energies(bus, steps))

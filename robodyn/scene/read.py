@@ -184,7 +184,7 @@ def _thermal(table: TomlTable) -> parts.Thermal:
     """Return how a motor heats up; a time constant [s] in place of a capacity is this over the thermal resistance."""
     given: dict[str, Any] = {}
     for part, path in (("winding", "winding_housing"), ("housing", "housing_ambient")):
-        time, resistance = table.value(f"{part}_time", parts.Positive, None), table.field(parts.Thermal, path)
+        time, resistance = table.value(f"{part}_time", parts.Physical, None), table.field(parts.Thermal, path)
         if time is not None and f"{part}_capacity" in table.values:
             raise table.error(f'"{part}_time" and "{part}_capacity" say the same', "give one of them", f"{part}_time")
         capacity = table.field(parts.Thermal, f"{part}_capacity", *([None] if time else []))

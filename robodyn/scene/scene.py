@@ -46,6 +46,7 @@ _Efficiency = Annotated[float, Rule(lambda x: 0.0 < x <= 1.0, "a share above 0 a
 _Areas = Annotated[Vector, Rule(lambda areas: min(areas) >= 0.0, "positive or zero: drag opposes motion by itself")]
 _ForcesWeight = Annotated[float, Rule(lambda x: x > 0.0, "it is positive: torques alone leave forces open")]
 IfKnown = Annotated[float, Rule(lambda x: x > 0.0, "it is positive; leave it out if it is not known")]
+Physical = Annotated[float, Rule(lambda x: 1e-12 <= x <= 1e12, "positive, in SI units: 1e-12 to 1e12")]
 _Celsius = Annotated[float, Rule(lambda x: -273.15 <= x <= 1000.0, "degrees Celsius, such as 25")]
 _Copper = Annotated[float, Rule(lambda x: 0.0 <= x <= 0.02, "1/K, such as 0.00393 of copper, or 0")]
 _Magnet = Annotated[float, Rule(lambda x: -0.02 <= x <= 0.0, "1/K, such as -0.001: hot magnets are weaker; or 0")]
@@ -224,13 +225,13 @@ class Thermal(FrozenValue):
         drive_efficiency: of the servo drive between motor and DC bus.
     """
 
-    resistance: Positive
-    torque_constant: Positive
-    winding_housing: Positive
-    winding_capacity: Positive
+    resistance: Physical
+    torque_constant: Physical
+    winding_housing: Physical
+    winding_capacity: Physical
     winding_limit: _Celsius
-    housing_ambient: Positive | None = None
-    housing_capacity: Positive | None = None
+    housing_ambient: Physical | None = None
+    housing_capacity: Physical | None = None
     housing_limit: _Celsius | None = None
     reference: _Celsius = 25.0
     resistance_coefficient: _Copper = 0.00393
@@ -245,10 +246,10 @@ class GearLife(FrozenValue):
     """Life of a gear, `rated_life (rated_speed / speed) (rated_torque / torque)^exponent`: hours at a torque of its
     output [N m or N] and a speed of its input [rad/s]."""
 
-    rated_life: Positive
-    rated_torque: Positive
-    rated_speed: Positive
-    exponent: Positive = 3.0
+    rated_life: Physical
+    rated_torque: Physical
+    rated_speed: Physical
+    exponent: Annotated[float, Rule(lambda x: 1.0 <= x <= 20.0, "such as 3, or 10/3: from 1 to 20")] = 3.0
 
 
 @dataclass(frozen=True)

@@ -131,6 +131,7 @@ WRONG = [
     ("[motor.j]\n" + THERMAL + "start = nan", 8, "not a finite number"),
     ("[motor.j]\n" + THERMAL + "drive_efficiency = 1.1", 8, '"drive_efficiency" is 1.1'),
     ("[motor.j]\n" + THERMAL + "ambiant = 20", 8, 'unknown key "ambiant"'),
+    ("[motor.j]\n" + THERMAL.replace("= 0.05", "= 1e-200"), 4, '"torque_constant" is 1e-200'),
     ("[motor.j]\nthermal = 3", 2, "is 3, not a table"),
     ("[motor.j]\n[gear.j]\nratio = 3", 2, '"life" is missing'),
     ("[motor.j]\n[gear.j.life]\nrated_life = 1\nrated_torque = 1", 2, '"rated_speed" is missing'),
