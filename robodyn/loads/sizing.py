@@ -193,11 +193,9 @@ class MotorPass(ShaftFigures):
         totals = self.integrals.totals
         travel, wear = float(totals["joint travel"][i]), float(totals["life"][i])
         torque = (wear / travel) ** (1.0 / gear.exponent) if travel else float(self.gear.score[i])
-        life = np.inf
-        if speed > 0.0 and torque > 0.0:
-            life = (
-                float(np.power(gear.rated_torque / torque, gear.exponent)) * gear.rated_life * gear.rated_speed / speed
-            )
+        worn = speed > 0.0 and torque > 0.0
+        share = float(np.power(gear.rated_torque / torque, gear.exponent)) if worn else np.inf
+        life = share * gear.rated_life * gear.rated_speed / speed if worn else np.inf
         return GearUse(life if life < LARGEST else None, torque, speed)
 
 
@@ -351,20 +349,15 @@ class SizingPass:
     def _thermal_limits(self, motor: MotorLoad) -> Iterator[tuple[Any, ...]]:
         """Yield what keeps a motor from burning: its temperatures, or the RMS torque where nothing tells them."""
         if (heat := motor.heat) is None:
-            at_speed = None, None, motor.mean_speed
-            yield ("RMS motor torque", motor.rms, motor.continuous_limit, motor.unit, *at_speed)
+            yield "RMS motor torque", motor.rms, motor.continuous_limit, motor.unit, None, None, motor.mean_speed
             return
         if heat.winding is None:
             yield "thermal runaway", heat.winding_once or 0.0, heat.winding_limit, DEGREES
             return
         for name in ("winding", "housing"):
             once, repeated = getattr(heat, f"{name}_once"), getattr(heat, name)
-            yield (
-                f"{name} temperature",
-                repeated if once is None else max(once, repeated),
-                getattr(heat, f"{name}_limit"),
-                DEGREES,
-            )
+            hottest = repeated if once is None else max(once, repeated)
+            yield f"{name} temperature", hottest, getattr(heat, f"{name}_limit"), DEGREES
 
     def _limited(self, k: int, load: JointLoad, motor: MotorLoad | None) -> Iterator[Exceeded]:
         """Yield what has a limit, whether that is exceeded or not."""

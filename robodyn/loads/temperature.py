@@ -273,8 +273,7 @@ def _over_cycles(maps: Floats, start: Floats) -> tuple[Floats, Floats]:
     while len(states) * stride <= many + stride and states[-1][0] < _SCALE:
         x = states[-1]
         states.append(x + step[:, 0] * x[0] + step[:, 1] * x[1] + step[:, 2])
-    inside = [x[:, None] + maps[:, 0] * x[0] + maps[:, 1] * x[1] + maps[:, 2] for x in states]
-    peaks = [np.maximum(x, y.max(axis=1)) for x, y in zip(states, inside, strict=True)]
+    peaks = [x + np.maximum(0.0, (maps[:, 0] * x[0] + maps[:, 1] * x[1] + maps[:, 2]).max(axis=1)) for x in states]
     return stride * np.arange(float(len(states))), np.array(peaks)
 
 

@@ -92,9 +92,8 @@ def pose_sizing_sections(result: Result, sizing: Sizing) -> Iterator[Section]:
         if (motor := joint.motor) is not None:
             row = [joint.name, f"{motor.gear:.6g}", f"{number(motor.peak)} {motor.unit}"]
             rows.append([*row, f"{number(motor.max_speed)} {motor.speed_unit}", _ratio(motor)])
-    yield (
-        [Table("Motors, at their shafts", ["joint", "gear", "torque", "speed", "inertia ratio"], rows)] if rows else []
-    )
+    head = ["joint", "gear", "torque", "speed", "inertia ratio"]
+    yield [Table("Motors, at their shafts", head, rows)] if rows else []
     hot = [(joint.name, joint.motor.heat) for joint in sizing.joints if joint.motor and joint.motor.heat]
     rows = []
     for name, heat in hot:
@@ -159,9 +158,8 @@ def uses(load: JointLoad | JointUse, joint: JointSizing | None, pose: bool = Fal
     found: list[tuple[float, float | None, str]] = []
     if joint is not None and (motor := joint.motor) is not None:
         if (near := motor.nearest) is not None:
-            found.append(
-                (near.torque, near.limit, "the peak curve" if pose else f"the peak curve at {near.time:.6g} s")
-            )
+            when = "" if pose else f" at {near.time:.6g} s"
+            found.append((near.torque, near.limit, f"the peak curve{when}"))
         judged = "the continuous torque" if motor.heat is None else f"the continuous torque ({UNJUDGED})"
         found.append((motor.rms, motor.continuous_limit, judged))
         if motor.heat is not None and motor.heat.winding is not None:
@@ -182,9 +180,8 @@ def in_words(exceeded: Exceeded, pose: bool = False) -> str:
     unit, limit, (what, allowed) = exceeded.unit, exceeded.limit, _WORDS[exceeded.quantity]
     what = what.replace("RMS ", "").replace("cubic mean ", "") if pose else what
     text = f"{what} is {number(exceeded.value)} {unit}, "
-    over = (
-        f"{exceeded.excess:.3g} K" if unit == DEGREES else f"{100 * exceeded.excess / limit:.3g} %" if limit > 0 else ""
-    )
+    share = 100 * exceeded.excess / limit if limit > 0 else 0.0
+    over = f"{exceeded.excess:.3g} K" if unit == DEGREES else f"{share:.3g} %"
     text += f"{over} above the {number(limit)}" if limit > 0 else "above the 0"
     text += f" {unit} that {allowed}"
     if exceeded.speed is not None:
