@@ -9,6 +9,7 @@ from helpers.small_robots import built, link
 
 import robodyn
 from robodyn.errors import InputError, SceneError
+from robodyn.identification.result import calibrated
 from robodyn.scene.fit import check_scene
 from robodyn.scene.read import parse_scene
 from robodyn.scene.scene import ExternalWrench, Friction, GearLife, Motor, Rotor, Scene
@@ -219,3 +220,11 @@ def test_limits_fail_a_pose():
     done = run("torques", f"{ROBOTS}/puma560.urdf", "--at", "shoulder=-3", "--fail-on-limits")
     assert done.status == 1
     assert "shoulder goes to -3 rad, below its lower limit" in done.out
+
+
+def test_what_is_identified_behind_a_screw_keeps_its_ratio():
+    model, scene = mover("prismatic"), Scene(rotor={"j": Rotor(1e-5, lead=0.01)})
+    ratio = 2 * np.pi / 0.01
+    found = calibrated(model, ["j.rotor"], np.array([2e-5 * ratio**2]), scene).rotor["j"]
+    assert found.ratio == pytest.approx(ratio, rel=1e-15)
+    assert found.inertia == pytest.approx(2e-5, rel=1e-14)
