@@ -31,13 +31,13 @@ def heat_charts(result: Result, heat: Heat) -> Iterator[doc.Chart]:
         near = reached - ambient >= 0.5 * (limit - ambient)
         alt = f"Temperatures of the motor of {name} along the motion, once and for ever; limit {limit:g} {DEGREES}"
         levels = [(limit, "limit")] if near else []
-        caption = f"{name}: temperature [{DEGREES}], limit {limit:g}"
+        caption = f"{name}: temperature [{DEGREES}]"
         yield time_chart(caption, alt, course.time, curves, DEGREES, levels=levels)
         minutes = course.begins / 60.0
         lines = {part: (minutes, course.hottest[:, k]) for k, part in enumerate(("winding", "housing"))}
         lines |= {"limit": (minutes[[0, -1]], np.full(2, limit))} if near else {}
         title, colours = (
-            f"{name}: greatest temperature of each cycle",
+            f"{name}: hottest of each cycle",
             {"winding": "c1", "housing": "c2", "limit": "bad"},
         )
         alt = f"{title}, from {number(course.hottest[0, 0])} to {number(course.hottest[-1, 0])} {DEGREES}"
@@ -45,7 +45,7 @@ def heat_charts(result: Result, heat: Heat) -> Iterator[doc.Chart]:
         over_cycles.append(plane_chart(title, alt, *axes, lines=lines, colours=colours))
     time, bus = heat.courses[0].time, heat.bus
     losses = {printable(course.name): course.copper for course in heat.courses[:10]}
-    yield time_chart("Losses in windings [W]", "Losses in windings over time", time, losses, "W")
+    yield time_chart("Copper losses [W]", "Losses in windings over time", time, losses, "W")
     alt = f"Power of the DC bus over time: at most {number(bus.peak_power)} W, at least {number(bus.least_power)} W"
-    yield time_chart("DC bus: power of all motors [W]", alt, time, {"bus": heat.power}, "W")
+    yield time_chart("DC bus: power [W]", alt, time, {"bus": heat.power}, "W")
     yield from over_cycles

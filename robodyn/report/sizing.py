@@ -28,7 +28,7 @@ _WORDS = {
     "velocity": ("the joint's speed", "the description allows"),
 }
 """Of a quantity what it is, and what limits it."""
-UNJUDGED = "not judged: temperature is"
+UNJUDGED = "not judged"
 _WORST = ("over peak", "over temperature", "over continuous", "OK", "no limits")
 _NAMED = 8
 """Joints that are named at most."""
@@ -165,7 +165,7 @@ def uses(load: JointLoad | JointUse, joint: JointSizing | None, pose: bool = Fal
         if motor.heat is not None and motor.heat.winding is not None:
             heat, ambient = motor.heat, motor.heat.ambient
             rise = max(each or ambient for each in (heat.winding, heat.winding_once)) - ambient
-            found.append((rise, heat.winding_limit - ambient, "the winding's rise in temperature"))
+            found.append((rise, heat.winding_limit - ambient, "the winding's temperature rise"))
         found.append((abs(motor.max_speed), motor.speed_limit, "the motor's speed"))
     found.append((abs(load.peak), load.effort_limit, "the effort limit"))
     found.append((abs(load.max_speed), load.velocity_limit, "the velocity limit"))
