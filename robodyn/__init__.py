@@ -54,6 +54,7 @@ if TYPE_CHECKING:
     from robodyn.scene.scene import Drive as Drive
     from robodyn.scene.scene import ExternalWrench as ExternalWrench
     from robodyn.scene.scene import Friction as Friction
+    from robodyn.scene.scene import GearLife as GearLife
     from robodyn.scene.scene import Immersed as Immersed
     from robodyn.scene.scene import Loop as Loop
     from robodyn.scene.scene import Motor as Motor
@@ -61,6 +62,7 @@ if TYPE_CHECKING:
     from robodyn.scene.scene import Rotor as Rotor
     from robodyn.scene.scene import Scene as Scene
     from robodyn.scene.scene import Spring as Spring
+    from robodyn.scene.scene import Thermal as Thermal
     from robodyn.scene.uncertainty import Covariance as Covariance
     from robodyn.scene.uncertainty import Deviation as Deviation
     from robodyn.scene.uncertainty import LinkUncertainty as LinkUncertainty
@@ -106,7 +108,7 @@ _HOMES = {
     "scene.read": ("load_scene",),
     "scene.scene": (
         *("Contact", "ContactCost", "CoupledMotor", "Drive", "ExternalWrench", "Friction", "Immersed", "Loop", "Motor"),
-        *("Payload", "Rotor", "Scene", "Spring"),
+        *("GearLife", "Payload", "Rotor", "Scene", "Spring", "Thermal"),
     ),
     "scene.uncertainty": ("Covariance", "Deviation", "LinkUncertainty", "Uncertainty"),
     "simulation.rollouts": ("rollouts",),

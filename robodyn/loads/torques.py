@@ -2,8 +2,8 @@
 
 The room: `accumulate` takes block after block through the recursion and holds the laws against it, `statistics` gathers
 peaks and integrals, `error_bars` tells by how much derived accelerations put them off, `constraints` adds loops and
-contacts, `sizing` tells what motors and bearings bear, `uncertainty` and `uncertain_report` what parameters that are
-uncertain do; here all becomes a `Result`.
+contacts, `sizing` tells what motors and bearings bear, `temperature` how hot motors get, `uncertainty` and
+`uncertain_report` what parameters that are uncertain do; here all becomes a `Result`.
 """
 
 from __future__ import annotations

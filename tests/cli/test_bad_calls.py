@@ -331,7 +331,7 @@ def test_help_of_torques_is_in_groups() -> None:
     text = run("torques", "--help").out
     titles = re.findall(r"^(\S.*):$", text, re.MULTILINE)
     assert titles[:2] == ["The robot and what surrounds it", "The trajectory"]
-    assert len(titles) == 7
+    assert len(titles) == 8
     assert titles[-1] == "Other options"
     assert text.partition("Other options:\n")[2].strip().startswith("-h, --help")
     for option in (name for each in torques.params for name in each.opts if name.startswith("--")):

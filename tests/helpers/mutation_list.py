@@ -32,6 +32,21 @@ PIECES = {
         ("behind(relative(first, outer), inner)", "behind(outer, inner)")
     ],
     ("checks/test_config.py", "checks/catalogue.py"): [("not select or DEFAULT in select", "not select")],
+    ("sizing/test_temperature.py", "loads/temperature.py"): [
+        ("thermal.winding_housing * thermal.housing_capacity", "thermal.winding_housing * thermal.winding_capacity"),
+        ("factor - slope * inside", "factor"),
+        ("second[:, :1] * first[:1]", "first[:, :1] * second[:1]"),
+        ("1.0 / thermal.drive_efficiency", "thermal.drive_efficiency"),
+        ("np.add.reduceat(whole, np.arange(0, whole.shape[1], 2), axis=1)", "whole[:, ::2]"),
+        ("trace < 0.0 and det > 0.0", "True"),
+    ],
+    ("sizing/test_gears_screws_and_poses.py", "loads/sizing.py"): [
+        ("carried**self.exponents", "carried"),
+        ("gear.rated_torque / torque", "torque / gear.rated_torque"),
+    ],
+    ("sizing/test_gears_screws_and_poses.py", "scene/scene.py"): [
+        ("turns * 2.0 * pi / self.lead", "turns / self.lead")
+    ],
     ("dynamics/test_golden.py", "dynamics/recursions/newton_euler.py"): [
         ("joint.R.T @ wd_j + cross(w_in, joint.w) + joint.wd", "joint.R.T @ wd_j + joint.wd"),
         ("2.0", "1.0"),

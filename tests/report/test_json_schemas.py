@@ -37,6 +37,8 @@ SLOW = (
     ("torques", "torques robots/scara.urdf robots/scara_pick_and_place.csv --explain --accuracy 1e-9"),
     ("torques", f"{SWEEP} --scene robots/puma560_sizing.toml --momentum"),
     ("torques", f"{SWEEP} --scene robots/puma560_uncertain.toml"),
+    ("torques", f"{SWEEP} --scene robots/puma560_sizing.toml --scene robots/puma560_heat.toml"),
+    ("torques", "torques robots/puma560.urdf --at elbow=0.5 --scene robots/puma560_sizing.toml"),
     ("torques", "torques robots/crank_slider.urdf robots/crank_slider_turn.csv --scene robots/crank_slider_turn.toml"),
     ("simulate", TUMBLE),
     ("simulate", "simulate robots/puma560.urdf --scene robots/puma560_power_cut.toml --duration 0.1"),
