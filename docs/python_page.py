@@ -39,6 +39,7 @@ TOPICS = {
     "One sample at a time": ("function",),
     "The commands as functions": (
         "torques",
+        "retime",
         "simulate",
         "rollouts",
         "linearize",
