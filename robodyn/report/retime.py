@@ -46,13 +46,13 @@ def verdict(found: Retimed) -> doc.Verdict:
     """Return how long the motion takes, or why there is none."""
     if not found.feasible:
         return doc.Verdict("bad", f"No motion along this path keeps the limits: {found.reason}")
-    headline = f"{found.duration:.6g} s, {found.samples} rows, within all limits"
+    headline = f"{found.duration or 0.0:.6g} s, {found.samples} rows, within all limits"
     reasons = []
     if found.profile == "optimal":
         where = f"{found.grid} intervals of the path, and {FINE} parts of each"
         reasons.append(f"No limit is passed at the ends of {where}.")
     if found.unlimited is not None:
-        longer = 100 * (found.duration / found.unlimited - 1.0)
+        longer = 100 * ((found.duration or 0.0) / found.unlimited - 1.0)
         reasons.append(f"Without the limits of jerk it takes {found.unlimited:.6g} s: they cost {longer:.3g} %.")
     unlimited = [joint.name for joint in found.joints if "effort" not in joint.use and "motor torque" not in joint.use]
     if unlimited:
@@ -101,8 +101,8 @@ def _speed_charts(found: Retimed) -> Iterator[doc.Chart]:
     """Yield the speed along the path with what limits allow, and the place on the path over time."""
     pace = np.gradient(found.row, found.time) if found.samples > 2 else np.zeros(found.samples)
     lines = {"speed": (found.row, pace)}
-    row, top = found.most
-    if len(row):
+    if found.most is not None:
+        row, top = found.most
         lines = {"largest that limits allow in passing": (row, np.minimum(top, 3.0 * pace.max())), **lines}
     alt = f"Speed along the path over its rows, {number(float(pace.max()))} rows/s at the most"
     colours = {"speed": "c1", "largest that limits allow in passing": "bad"}
@@ -124,7 +124,7 @@ def _binding_bars(found: Retimed) -> list[doc.Block]:
         i, f = found.model.joint_names.index(one.joint), LIMITS.index(one.limit)
         on = (found.used[f, :, i] >= BINDS) & (found.used[f, :, i] >= flat * (1.0 - 1e-9))
         edges = np.flatnonzero(np.diff(np.concatenate(([0], on.astype(int), [0])))).reshape(-1, 2)[:_MOST_SPANS]
-        ends = np.append(found.time, found.duration) / found.duration * 100.0
+        ends = np.append(found.time, found.time[-1]) / found.time[-1] * 100.0
         colour = COLOURS[f % len(COLOURS)]
         bars = [("", float(ends[a]), float(ends[min(b, found.samples)]), colour) for a, b in edges.tolist()]
         words = f"{100 * one.share_of_time:.3g} % of the time"

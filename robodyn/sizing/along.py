@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robodyn.dynamics.effects.motors import coupled_motors
 from robodyn.dynamics.inverse import inverse_dynamics
@@ -96,11 +97,16 @@ class Bounds:
         return found
 
     @property
-    def motor_speed(self) -> Floats:
-        """(n,) the largest speeds of joints that their motors allow."""
-        found = np.full(self.model.n, np.inf)
+    def driven(self) -> NDArray[np.bool_]:
+        """(n,) whether a scene tells of the motor."""
+        return np.isin(np.arange(self.model.n), [i for i, _ in self.trains])
+
+    @property
+    def speed(self) -> Floats:
+        """(n,) the largest speeds of joints that they and their motors allow."""
+        found = self.velocity.copy()
         for i, train in self.trains:
-            found[i] = _speed_limit(train) / abs(train.gear)
+            found[i] = min(found[i], _speed_limit(train) / abs(train.gear))
         return found
 
     def torques(self, q: Floats, qd: Floats, qdd: Floats) -> Floats:
@@ -180,6 +186,7 @@ class Along:
         curved = any(isinstance(t.motor.peak, tuple) or t.motor.efficiency < 1.0 for _, t in bounds.trains)
         self.bent = self.rubs or curved
         self.ends = self._ends()
+        self.softest = np.full(model.n, np.inf)  # accelerations at most, besides those of limits
 
     def _ends(self) -> Ends:
         s = np.stack((self.s[:-1], self.s[1:]))
@@ -234,6 +241,7 @@ class Along:
         rub, slope = self.friction(speed)
         b, c = ends.b + slope, ends.c + rub - slope * near[..., None]
         limits = self.bounds.limits[:, None] * kept
+        limits[ACCELERATION] = np.minimum(self.bounds.acceleration, self.softest) * kept[ACCELERATION]
         rows: list[tuple[Floats, Floats, Floats]] = []
 
         def between(a: Floats, b: Floats, c: Floats, limit: Floats) -> None:

@@ -136,7 +136,7 @@ class Path:
     def grid(self, points: int) -> Floats:
         """Return places (N,), about so many, every break among them, and where joints turn back."""
         lengths = np.diff(self.breaks)
-        counts = np.maximum(np.ceil(points * lengths / lengths.sum()), 2.0 if len(lengths) <= points else 1.0)
+        counts = np.maximum(np.ceil(points * lengths / lengths.sum()), min(20, points // len(lengths)))
         parts = [a + (b - a) * np.arange(m) / m for a, b, m in zip(self.breaks, self.breaks[1:], counts, strict=False)]
         s = np.concatenate([*parts, self.breaks[-1:]])
         piece = self.pieces(0.5 * (s[1:] + s[:-1]))

@@ -143,5 +143,7 @@ def _root(p: Floats, q: Floats, x: float, after: float, least: float, half: floa
             return x
         if falls * side <= 0.0:
             break
-        x = level / falls
+        x, last = level / falls, x
+        if abs(x - last) <= _SLACK * abs(x):
+            return x
     return -1.0 if side > 0.0 else float("inf")

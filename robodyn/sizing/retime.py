@@ -4,14 +4,16 @@
 2. `along.py` says what limits speed and acceleration along it, by the recursion and the motors' data sheets.
 3. `reachability.py` finds the fastest pass of lines; here these are taken anew about each pass until it stays, then
    limits are checked exactly between grid points, and lowered where they are passed, until none is.
+4. A limit of jerk is kept as drives do: a moving average of the place on the path, over some time.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Any, Literal, NamedTuple
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -29,36 +31,34 @@ from robodyn.sizing.along import (
     JERK,
     LIMITS,
     MOTOR_TORQUE,
-    VELOCITY,
     Along,
     Bounds,
     PerJoint,
     bounds_of,
     check_supported,
 )
-from robodyn.sizing.path import Path, WayPoints, lines, read_path, spline
+from robodyn.sizing.path import Path, lines, read_path, spline
 from robodyn.sizing.reachability import Intervals
-from robodyn.support.floats import Floats, first_of_ties
+from robodyn.support.floats import Floats, first_of_ties, ranked
 from robodyn.support.wording import count, shown
 
-Profile = Literal["optimal", "trapezoid", "scurve"]
 PROFILES = ("optimal", "trapezoid", "scurve")
 GRID, RATE = 2000, 250.0
 MOST_GRID, MOST_SAMPLES = 50_000, 2_000_000
 FINE = 10
 """Parts of each interval of the grid at whose ends limits are checked."""
-PASSED = 1e-9
-"""Of a limit: what it may be passed by."""
-BINDS = 0.995
-"""Of a limit, from which on it is said to bind."""
-_ROUNDS, _SAME, _NARROW = 40, 1e-9, 1e-12
+PASSED, BINDS = 1e-9, 0.995
+"""Of a limit: what it may be passed by, and from where on it is said to bind."""
 RAMP = 0.25
-"""Of the time of speeding up that the acceleration of an S-curve takes to grow where no jerk is given, and to fall."""
+"""Of the time of speeding up: that over which an S-curve's acceleration grows, where no jerk is given."""
+_ROUNDS, _SAME, _ROUNDING = 40, 1e-9, 1e-12
+_WINDOWS = 0.25 * 2.0 ** np.arange(0.0, 4.0)  # moving averages that are tried, of the least by acceleration and jerk
+_SOFTER = 6
 
 
 class Course(NamedTuple):
     """s(t) of polynomials of the third degree: when K of them begin, and the last ends (K + 1,) [s]; s, sd, sdd there,
-    sddd (K,), and the piece of the path that each is on."""
+    sddd (K,), and the piece of the path that each is on. `u[k]` is sdd after knot k; the last is not used."""
 
     time: Floats
     s: Floats
@@ -70,15 +70,58 @@ class Course(NamedTuple):
     def at(self, time: Floats, k: NDArray[np.int64]) -> tuple[Floats, Floats, Floats, Floats]:
         """Return s and its derivatives at these times, by polynomials k."""
         t, j = time - self.time[k], self.jerk[k]
-        u = self.u[k] + j * t
-        sd = self.speed[k] + t * (self.u[k] + t * (j / 2.0))
         s = self.s[k] + t * (self.speed[k] + t * (self.u[k] / 2.0 + t * (j / 6.0)))
-        return s, np.maximum(sd, 0.0), u, j
+        sd = self.speed[k] + t * (self.u[k] + t * (j / 2.0))
+        return s, np.maximum(sd, 0.0), self.u[k] + j * t, j
+
+    def knot(self, time: Floats) -> NDArray[np.int64]:
+        """Return by which polynomials these times are."""
+        return np.clip(np.searchsorted(self.time, time, side="right") - 1, 0, len(self.jerk) - 1)
 
     def slower(self, factor: float) -> Course:
         """Return the same in `factor` times the time."""
         f = 1.0 / factor
         return Course(factor * self.time, self.s, f * self.speed, f * f * self.u, f * f * f * self.jerk, self.piece)
+
+    def states(self, path: Path, time: Floats, k: NDArray[np.int64]) -> tuple[Floats, Floats, Floats, Floats]:
+        """Return q, qd, qdd and qddd (..., n) at these times, by polynomials k."""
+        s, sd, u, j = self.at(time, k)
+        q, first, second, third = path.at(s, np.where(self.piece[k] < 0, path.pieces(s), self.piece[k]))
+        sd, u, j = (each[..., None] for each in (sd, u, j))
+        return q, first * sd, first * u + second * sd * sd, first * j + 3.0 * second * sd * u + third * sd**3
+
+    def fine(self, parts: int = FINE) -> tuple[Floats, NDArray[np.int64]]:
+        """Return times (parts + 1, K) in all polynomials, and the numbers of these."""
+        time = self.time[:-1] + np.linspace(0.0, 1.0, parts + 1)[:, None] * np.diff(self.time)
+        return time, np.broadcast_to(np.arange(len(self.jerk)), time.shape)
+
+    def averaged(self, width: float) -> Course:
+        """Return the moving average of s over this time, which takes it longer: `sdd(t) = (sd(t) - sd(t - width)) /
+        width`, and so on; the same where the width is 0. It begins and ends at rest."""
+        if width <= 0.0:
+            return self
+        steps = np.diff(self.time)
+        parts = self.s[:-1] + steps * (self.speed[:-1] / 2.0 + steps * (self.u[:-1] / 6.0 + steps * self.jerk / 24.0))
+        areas = np.concatenate(([0.0], np.cumsum(steps * parts)))
+        knots = np.unique(np.concatenate((self.time, self.time + width)))
+
+        def before(time: Floats) -> tuple[Floats, Floats, Floats]:
+            """The integral of s, s and sd."""
+            inside = np.clip(time, self.time[0], self.time[-1])
+            k = self.knot(inside)
+            t, (s, sd, _, _) = inside - self.time[k], self.at(inside, k)
+            area = self.s[k] + t * (self.speed[k] / 2.0 + t * (self.u[k] / 6.0 + t * self.jerk[k] / 24.0))
+            return areas[k] + t * area + (time - inside) * s, s, np.where(time == inside, sd, 0.0)
+
+        s, speed, u = ((a - b) / width for a, b in zip(before(knots), before(knots - width), strict=True))
+        middle = 0.5 * (knots[1:] + knots[:-1])
+        now, then = (
+            np.where((at > self.time[0]) & (at < self.time[-1]), self.at(at, self.knot(at))[2], 0.0)
+            for at in (middle, middle - width)
+        )
+        piece = self.piece[:1] if (self.piece == self.piece[0]).all() else np.array([-1])
+        jerk = (now - then) / width
+        return Course(knots, s, np.maximum(speed, 0.0), u, jerk, np.repeat(piece, len(jerk)))
 
 
 @dataclass(frozen=True)
@@ -92,12 +135,10 @@ class Binding:
 
 @dataclass(frozen=True)
 class JointUse:
-    """What a joint uses at most of each of its limits, 1 at the limit, and when [s]; limits that it has not are left
-    out."""
+    """What a joint uses at most of each of its limits, 1 at the limit; those that it has not are left out."""
 
     name: str
     use: Mapping[str, float]
-    at: Mapping[str, float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,40 +146,44 @@ class Retimed:
     """A path in time.
 
     Attributes:
-        feasible: whether a motion keeps all limits; if not, `reason` says which joint fails where, and by how much.
-        profile: "optimal", "trapezoid" or "scurve"; points: the way-points; grid: intervals of the path.
+        feasible: whether a motion keeps all limits; if not, `reason` says why, `where` the joint, the row of the path,
+            and what is `missing` in its `unit`.
+        grid: intervals of the path in which limits were kept, 0 if it is not the optimal profile.
         time: (N,) [s]; q, qd, qdd, tau: (N, n); row: (N,) where on the path, as rows of its table.
         binding: which limits bind, the most frequent first; joints: what each uses of its limits.
-        used: (7, N, n) what is used of each of `LIMITS` at the samples; 0 where there is none.
-        most: row, and the largest speed that any limit allows there [1/s of row], of the optimal profile.
-        unlimited: the shortest duration without the limits of jerk [s], if there are some.
+        used: (7, N, n) what is used of each of `LIMITS`, 0 where there is none; limits: (7, n).
+        most: rows, and there the largest rows per second at which any acceleration is left, of the optimal profile.
+        unlimited: the duration without limits of jerk [s], where the optimal profile has some.
     """
 
     model: Model
     scene: Scene
-    feasible: bool
-    reason: str
     profile: str
     path: Path
-    grid: int
-    time: Floats
-    q: Floats
-    qd: Floats
-    qdd: Floats
-    tau: Floats
-    row: Floats
-    binding: tuple[Binding, ...]
-    joints: tuple[JointUse, ...]
-    used: Floats
     limits: Floats
-    most: tuple[Floats, Floats]
-    unlimited: float | None
-    warnings: tuple[str, ...]
+    reason: str = ""
     where: Mapping[str, Any] = field(default_factory=dict)
+    grid: int = 0
+    time: Floats = field(default_factory=lambda: np.zeros(0))
+    q: Floats = field(default_factory=lambda: np.zeros((0, 0)))
+    qd: Floats = field(default_factory=lambda: np.zeros((0, 0)))
+    qdd: Floats = field(default_factory=lambda: np.zeros((0, 0)))
+    tau: Floats = field(default_factory=lambda: np.zeros((0, 0)))
+    row: Floats = field(default_factory=lambda: np.zeros(0))
+    binding: tuple[Binding, ...] = ()
+    joints: tuple[JointUse, ...] = ()
+    used: Floats = field(default_factory=lambda: np.zeros((0, 0, 0)))
+    most: tuple[Floats, Floats] | None = None
+    unlimited: float | None = None
+    warnings: tuple[str, ...] = ()
 
     @property
-    def duration(self) -> float:
-        return float(self.time[-1]) if len(self.time) else 0.0
+    def feasible(self) -> bool:
+        return not self.reason
+
+    @property
+    def duration(self) -> float | None:
+        return float(self.time[-1]) if len(self.time) else None
 
     @property
     def samples(self) -> int:
@@ -157,9 +202,10 @@ class Retimed:
 class InfeasibleError(Exception):
     """No motion along the path keeps the limits: why, and where."""
 
-    def __init__(self, why: str, **where: Any) -> None:
+    def __init__(self, why: str, model: Model, path: Path, s: float, i: int, missing: float, unit: str) -> None:
         super().__init__(why)
-        self.where = where
+        row = float(path.row(s))
+        self.where = {"joint": model.joint_names[i], "row": row, "missing": missing, "unit": unit}
 
 
 def retime(
@@ -199,38 +245,35 @@ def retime(
     check_supported(model, scene)
     _check(profile, speed, blend, rate, grid, jerk)
     bounds = bounds_of(model, scene, acceleration, jerk, speed)
-    points = read_path(path, model, scene, **reading)
-    warnings: list[str] = []
-    unlimited = None
-    if profile != "optimal" or blend is not None:
+    points, warnings = read_path(path, model, scene, **reading), list[str]()
+    if profile == "optimal" and blend is None:
+        way = spline(points)
+    else:
         way, narrow = lines(points, blend or 0.0, stopping=profile != "optimal")
         if narrow:
-            warnings.append(f"{count(narrow, 'corner')} rounded from less than {blend:g}: half of the way to the next")
-    else:
-        way = spline(points)
-    most: tuple[Floats, Floats] = (np.zeros(0), np.zeros(0))
-    intervals = 0
+            what = f"{count(narrow, 'corner')} rounded from less than {blend:g} on"
+            warnings.append(f"{what}: half of the way to the next way-point")
+    found: dict[str, Any] = {}
+    limits = np.vstack((bounds.limits, bounds.jerk))
     try:
         _check_range(model, way, grid)
         if profile == "optimal":
             along = Along(bounds, way, way.grid(max(grid, len(way.breaks) - 1)))
-            course, most = _fastest(along, warnings)
-            intervals = len(along.steps)
+            kept, x, top = _fastest(along)
+            free = replace(bounds, jerk=np.full(model.n, np.inf))
+            course = _settled(free, way, _joined(way, _stretches(along, x)), warnings)
+            with np.errstate(divide="ignore"):
+                pace = np.diff(way.row(along.s)) / along.steps * np.sqrt(top)
+            found |= {"grid": len(along.steps), "most": (way.row(along.s[:-1]), pace)}
             if np.isfinite(bounds.jerk).any():
-                from robodyn.sizing.jerk import within_jerk
-
-                unlimited = float(course.time[-1])
-                course = within_jerk(along, course)
+                found["unlimited"] = float(course.time[-1])
+                course = _settled(bounds, way, _within_jerk(along, kept, x), warnings)
         else:
-            course = _point_to_point(bounds, way, points, profile)
+            moves = [_move(bounds, way, k, profile) for k in range(len(way.breaks) - 1)]
+            course = _settled(bounds, way, _joined(way, moves), warnings)
     except InfeasibleError as why:
-        empty = np.zeros((0, model.n))
-        return Retimed(
-            *(model, scene, False, str(why), profile, way, intervals, np.zeros(0), empty, empty, empty, empty),
-            *(np.zeros(0), (), (), np.zeros((len(LIMITS), 0, model.n)), bounds.limits, most, None, tuple(warnings)),
-            why.where,
-        )
-    return _result(bounds, way, course, rate, profile, intervals, most, unlimited, warnings)
+        return Retimed(model, scene, profile, way, limits, str(why), why.where, warnings=tuple(warnings))
+    return _result(bounds, way, limits, course, rate, profile, warnings, found)
 
 
 def _check(profile: str, speed: float, blend: float | None, rate: float, grid: int, jerk: Any) -> None:
@@ -253,17 +296,20 @@ def _check_range(model: Model, path: Path, grid: int) -> None:
     least, largest = coordinate_ranges(model)
     s = path.grid(grid)
     q = path.at(s, path.pieces(s))[0]
-    beyond = np.maximum(least - q, q - largest) - 1e-9 * np.maximum(1.0, np.abs(q))
+    beyond = np.maximum(least - q, q - largest) - PASSED * np.maximum(1.0, np.abs(q))
     beyond[:, least > largest] = 0.0
     if beyond.max(initial=0.0) > 0.0:
         k, i = np.unravel_index(int(beyond.argmax()), beyond.shape)
-        name, joint = model.joint_names[i], model.independent[i]
-        unit, limit = ("m" if joint.kind == "prismatic" else "rad"), (least if q[k, i] < least[i] else largest)[i]
-        over = float(abs(q[k, i] - limit))
-        why = f"{name} is at {q[k, i]:.6g} {unit} {_place(path, float(s[k]))}, {over:.4g} {unit} beyond its limit"
-        raise InfeasibleError(
-            f"{why} of {limit:g} {unit}", joint=name, row=float(path.row(s[k])), missing=over, unit=unit
+        limit, unit = float((least if q[k, i] < least[i] else largest)[i]), _units(model, i)[0]
+        over, at = float(abs(q[k, i] - limit)), float(s[k])
+        why = (
+            f"{model.joint_names[i]} is at {q[k, i]:.6g} {unit} {_place(path, at)}, {over:.4g} {unit} beyond its limit"
         )
+        raise InfeasibleError(f"{why} of {limit:g} {unit}", model, path, at, int(i), over, unit)
+
+
+def _units(model: Model, i: Any) -> tuple[str, str]:
+    return ("m", "N") if model.independent[i].kind == "prismatic" else ("rad", "N m")
 
 
 def _place(path: Path, s: float) -> str:
@@ -272,341 +318,266 @@ def _place(path: Path, s: float) -> str:
     return f"at row {below}" if abs(row - round(row)) < 1e-6 else f"between rows {below} and {below + 1}"
 
 
-def _fastest(along: Along, warnings: list[str]) -> tuple[Course, tuple[Floats, Floats]]:
-    """Return the fastest course; and rows, with the largest speed that any limit allows there."""
-    bounds, n = along.bounds, len(along.steps)
-    kept = np.ones((JERK, n, bounds.model.n))
-    x, before, settled = np.zeros(n + 1), np.inf, not along.bent
-    slack = 1.0
+def _fastest(along: Along) -> tuple[Floats, Floats, Floats]:
+    """Return what is kept of limits (6, N, n) so that none is passed in between, x (N + 1,) of the fastest pass, and
+    the largest x (N,) at which any acceleration is left."""
+    n = len(along.steps)
+    kept, x, before, settled = np.ones((JERK, n, along.bounds.model.n)), np.zeros(n + 1), np.inf, not along.bent
     for turn in range(_ROUNDS):
-        intervals = Intervals(along.rows(x, kept), along.steps, along.most(kept))
-        found = intervals.fastest()
-        if found.stuck is not None:
-            raise _stuck(along, found.stuck, found.x)
-        if turn == 0:
-            _check_limited(along, intervals)
-        x = found.x
-        used = _fine_uses(along, x).max(axis=1)
-        worst, duration = float(used.max()), _duration(along, x)
-        if worst <= 1.0 + _NARROW * 1e2 and (settled or abs(duration - before) <= _SAME * duration):
+        intervals, x = _pass(along, x, kept)
+        if turn == 0 and (free := np.isinf(intervals.p).all(axis=(1, 2))).any():
+            what = f"nothing limits the acceleration of what moves {_place(along.path, along.s[int(free.argmax())])}"
+            raise InputError(what, remedy="--acceleration A; the description gives no effort, the scene no motor")
+        used, duration = _most_used(along, x), float(_steps(along, x).sum())
+        if used.max() <= 1.0 + 100.0 * _ROUNDING and (settled or abs(duration - before) <= _SAME * duration):
             break
-        settled = settled or abs(duration - before) <= 1e-5 * duration
+        settled, before = settled or abs(duration - before) <= 1e-5 * duration, duration
         if settled:
-            kept = np.where(used > 1.0 + _NARROW, kept / (np.maximum(used, 1.0) * (1.0 + _NARROW * 10)), kept)
-        before = duration
-    row = along.path.row(along.s)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        top = np.sqrt(np.where(np.isfinite(intervals.high), intervals.high, np.nan))
-    course = _course(along, x)
-    for _ in range(60):
-        if worst <= 1.0 + PASSED / 2:
-            break
-        slack *= 1.0 + max(worst - 1.0, PASSED)
-        used = _fine_uses(along, x / slack**2).max(axis=1)
-        worst = float(used.max())
-    else:
-        warnings.append(
-            f"a limit is passed by {100 * (worst - 1.0):.2g} % between points of the grid: give --grid more"
-        )
-    return course.slower(slack) if slack > 1.0 else course, (row[:-1], top)
+            kept = np.where(used > 1.0 + _ROUNDING, kept / (np.maximum(used, 1.0) * (1.0 + 10.0 * _ROUNDING)), kept)
+    return kept, x, intervals.high
 
 
-def _duration(along: Along, x: Floats) -> float:
+def _pass(along: Along, x: Floats, kept: Floats) -> tuple[Intervals, Floats]:
+    """Return the limits near a profile x, and the fastest pass that keeps them; raise if there is none."""
+    intervals = Intervals(along.rows(x, kept), along.steps, along.most(kept))
+    found = intervals.fastest()
+    if found.stuck is not None:
+        raise _stuck(along, found.stuck)
+    return intervals, found.x
+
+
+def _steps(along: Along, x: Floats) -> Floats:
     speed = np.sqrt(x)
-    return float((2.0 * along.steps / (speed[1:] + speed[:-1])).sum())
+    return np.asarray(2.0 * along.steps / (speed[1:] + speed[:-1]))
 
 
-def _fine_uses(along: Along, x: Floats) -> Floats:
-    """Return (6, FINE + 1, N, n) what is used of each limit along each interval."""
-    part = np.linspace(0.0, 1.0, FINE + 1)[:, None]
-    u = np.diff(x) / (2.0 * along.steps)
-    s = along.s[:-1] + part * along.steps
-    sd = np.sqrt(np.maximum(x[:-1] + part * np.diff(x), 0.0))
+def _most_used(along: Along, x: Floats) -> Floats:
+    """Return (6, N, n) what is used of each limit at most in each interval, by parabolas between its parts."""
+    part = np.linspace(0.0, 1.0, FINE + 1)[:, None]  # of the time in an interval
+    u, speed = np.diff(x) / (2.0 * along.steps), np.sqrt(x)
+    time = part * (2.0 * along.steps / (speed[1:] + speed[:-1]))
+    s = along.s[:-1] + time * (speed[:-1] + 0.5 * u * time)
+    sd = speed[:-1] + part * np.diff(speed)
     q, first, second, _ = along.path.at(s, np.broadcast_to(along.piece, s.shape))
     qd, qdd = first * sd[..., None], first * u[:, None] + second * (sd * sd)[..., None]
-    return along.bounds.uses(q, qd, qdd)[0]
+    used = along.bounds.uses(q, qd, qdd)[0]
+    most = used.max(axis=1)
+    near = np.nonzero(most > 0.999)
+    left, middle, right = (used[near[0], part : FINE - 1 + part, near[1], near[2]] for part in range(3))
+    bend, slope = left - 2.0 * middle + right, 0.5 * (right - left)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        peak = np.where(np.abs(slope) < -bend, middle - slope * slope / (2.0 * bend), middle)
+    most[near] = np.maximum(most[near], peak.max(axis=1, initial=0.0))
+    return np.asarray(most)
 
 
-def _course(along: Along, x: Floats) -> Course:
-    """Return the course of a pass, and of waiting where it stops."""
-    speed = np.sqrt(x)
-    steps = 2.0 * along.steps / (speed[1:] + speed[:-1])
-    u = np.diff(x) / (2.0 * along.steps)
-    s, piece = along.s[:-1], along.piece
-    waits = {
-        int(np.abs(along.s - at).argmin()): wait for at, wait in zip(along.path.stops, along.path.dwell, strict=True)
-    }
-    at = np.array([k for k, wait in waits.items() if wait > 0.0], dtype=int)
-    dwell = np.array([waits[k] for k in at])
-    kind = np.minimum(at, len(u) - 1)
-    u, steps = np.insert(u, at, 0.0), np.insert(steps, at, dwell)
-    s, piece = np.insert(s, at, along.s[at]), np.insert(piece, at, along.piece[kind])
-    v = np.insert(speed[:-1], at, 0.0)
-    time = np.concatenate(([0.0], np.cumsum(steps)))
-    return Course(time, np.append(s, along.s[-1]), np.append(v, 0.0), np.append(u, 0.0), np.zeros(len(u)), piece)
+def _stretches(along: Along, x: Floats) -> list[Course]:
+    """Return the courses of a pass from stop to stop."""
+    speed, u = np.sqrt(x), np.diff(x) / (2.0 * along.steps)
+    time, stops = np.concatenate(([0.0], np.cumsum(_steps(along, x)))), np.flatnonzero(along.still)
+    found = []
+    for a, b in pairwise(stops.tolist()):
+        knots, rest = slice(a, b + 1), np.zeros(b - a)
+        found.append(
+            Course(time[knots] - time[a], along.s[knots], speed[knots], np.append(u[a:b], 0.0), rest, along.piece[a:b])
+        )
+    return found
 
 
-def _check_limited(along: Along, intervals: Intervals) -> None:
-    """Raise if nothing limits the speed or the acceleration of what moves."""
-    free = ~np.isfinite(intervals.p).any(axis=2)
-    if free.all(axis=1).any():
-        where = _place(along.path, float(along.s[int(free.all(axis=1).argmax())]))
-        what = f"nothing limits the acceleration of the joints that move {where}"
-        raise InputError(what, remedy="--acceleration A; the description gives them no effort, the scene no motor")
+def _joined(path: Path, stretches: list[Course]) -> Course:
+    """Return courses from stop to stop one after another, and the waiting at the stops."""
+    parts, now = list[Course](), 0.0
+    for k, (s, wait) in enumerate(zip(path.stops, path.dwell, strict=True)):
+        if wait > 0.0:
+            piece = path.pieces(np.array([s]))
+            parts.append(Course(np.array((now, now + wait)), np.full(2, s), *np.zeros((2, 2)), np.zeros(1), piece))
+            now += float(wait)
+        if k < len(stretches):
+            parts.append(stretches[k]._replace(time=stretches[k].time + now))
+            now = float(parts[-1].time[-1])
+    knots = [np.concatenate([*(each[i][:-1] for each in parts), parts[-1][i][-1:]]) for i in range(4)]
+    return Course(*knots, *(np.concatenate([each[i] for each in parts]) for i in (4, 5)))
 
 
-def _stuck(along: Along, k: int, x: Floats) -> InfeasibleError:
+def _uses(bounds: Bounds, path: Path, course: Course, time: Floats, k: NDArray[np.int64]) -> Floats:
+    """Return (7, ..., n) what a course uses of each limit at these times."""
+    q, qd, qdd, qddd = course.states(path, time, k)
+    return np.concatenate((bounds.uses(q, qd, qdd)[0], (np.abs(qddd) / bounds.jerk)[None]))
+
+
+def _slack(used: Floats) -> float:
+    """Return how many times slower a motion would keep its limits if torques grew with accelerations alone."""
+    most = used.reshape(len(LIMITS), -1).max(axis=1, initial=0.0)
+    most[[ACCELERATION, EFFORT, MOTOR_TORQUE, GEAR]] **= 0.5
+    most[JERK] **= 1.0 / 3.0
+    return float(most.max())
+
+
+def _settled(bounds: Bounds, path: Path, course: Course, warnings: list[str]) -> Course:
+    """Return the course, slower by what its limits are passed by between points of the grid."""
+    for _ in range(100):
+        slack = _slack(_uses(bounds, path, course, *course.fine()))
+        if slack <= 1.0 + PASSED / 4.0:
+            return course
+        course = course.slower(slack * (1.0 + _ROUNDING))
+    warnings.append(f"a limit is passed by {100 * (slack - 1.0):.2g} % between points of the grid: give --grid more")
+    return course
+
+
+def _stuck(along: Along, k: int) -> InfeasibleError:
     """Return why no pass leads through interval k: the joint that cannot even stand there, if one cannot."""
-    bounds, model = along.bounds, along.bounds.model
+    bounds, model, path = along.bounds, along.bounds.model, along.path
     zero = np.zeros_like(along.ends.q)
     used, tau = bounds.uses(along.ends.q, zero, zero)
-    rub = np.abs(along.friction(np.zeros(zero.shape[:2]))[0])
-    worst = used[[EFFORT, MOTOR_TORQUE, GEAR]]
-    if worst.max() > 1.0:
-        which, end, at, i = (int(each) for each in np.unravel_index(int(worst.argmax()), worst.shape))
-        what, share = LIMITS[(EFFORT, MOTOR_TORQUE, GEAR)[which]], float(worst[which, end, at, i])
-        name, place = model.joint_names[i], _place(along.path, float(along.ends.s[end, at]))
-        unit = "N" if model.independent[i].kind == "prismatic" else "N m"
-        needs = abs(float(tau[end, at, i]))
-        missing = needs - needs / share
-        why = f"{name} needs {needs:.6g} {unit} to stand still {place}, and its limit of {what} bears "
-        why += f"{needs / share:.6g} {unit}: {missing:.4g} {unit} are missing"
-        return InfeasibleError(
-            why, joint=name, row=float(along.path.row(along.ends.s[end, at])), missing=missing, unit=unit
+    still = used[[EFFORT, MOTOR_TORQUE, GEAR]]
+    if still.max() > 1.0:
+        which, end, at, i = (int(each) for each in np.unravel_index(int(still.argmax()), still.shape))
+        share, needs, unit, s = (
+            float(still.max()),
+            abs(float(tau[end, at, i])),
+            _units(model, i)[1],
+            along.ends.s[end, at],
         )
-    place = _place(along.path, float(along.s[k]))
-    share = (np.abs(tau) + rub) / bounds.limits[EFFORT]
-    i = int(share[:, k].max(axis=0).argmax())
-    name, unit = model.joint_names[i], "N" if model.independent[i].kind == "prismatic" else "N m"
-    needs, limit = float(np.abs(tau)[:, k, i].max() + rub[:, k, i].max()), float(bounds.limits[EFFORT, i])
-    why = f"no speed keeps all limits {place}: {name} has {limit - needs:.4g} {unit} of {limit:g} left to move with"
-    return InfeasibleError(
-        why, joint=name, row=float(along.path.row(along.s[k])), missing=max(needs - limit, 0.0), unit=unit
-    )
+        missing, limit = needs - needs / share, LIMITS[(EFFORT, MOTOR_TORQUE, GEAR)[which]]
+        why = f"{model.joint_names[i]} needs {needs:.6g} {unit} to stand still {_place(path, s)}; its limit of {limit} "
+        return InfeasibleError(
+            f"{why}bears {needs / share:.6g} {unit}, {missing:.4g} {unit} are missing", model, path, s, i, missing, unit
+        )
+    needs = (np.abs(tau) + np.abs(along.friction(np.zeros(zero.shape[:2]))[0]))[:, k].max(axis=0)
+    i = int((needs / bounds.limits[EFFORT]).argmax())
+    missing, limit, unit = float(needs[i] - bounds.limits[EFFORT, i]), bounds.limits[EFFORT, i], _units(model, i)[1]
+    why = f"no speed keeps all limits {_place(path, along.s[k])}; {model.joint_names[i]}, nearest to its own, "
+    why += f"needs {needs[i]:.6g} {unit} of {limit:g} against weight and friction"
+    return InfeasibleError(why, model, path, along.s[k], i, max(missing, 0.0), unit)
 
 
-class Move(NamedTuple):
-    """A straight move over 1: times of the jerk, of speeding up, and at full speed; and the largest acceleration."""
+def _within_jerk(along: Along, kept: Floats, x: Floats) -> Course:
+    """Return a course within the limits of jerk: the moving average of the fastest pass under limits that are lowered
+    where it passes them, over the time that makes the shortest motion."""
+    bounds, path = along.bounds, along.path
+    first = _joined(path, _stretches(along, x))
+    fastest = np.abs(first.states(path, *first.fine())[2]).max(axis=(0, 1))
+    along.softest = np.where(
+        fastest > 1e-9 * fastest.max(), fastest, np.inf
+    )  # an acceleration that can be lowered, where none is limited
+    least, best, shortest = float((fastest / bounds.jerk).max()), first, np.inf
+    for width in (2.0 * least * _WINDOWS).tolist():
+        softer = kept
+        for _ in range(_SOFTER):
+            try:
+                x = _pass(along, x, softer)[1]
+            except InfeasibleError:
+                break
+            over = np.ones_like(kept)
+            stretches, stops = _stretches(along, x), np.flatnonzero(along.still)
+            averaged = [each.averaged(width) for each in stretches]
+            for (a, b), each, soft in zip(pairwise(stops.tolist()), stretches, averaged, strict=True):
+                time, k = soft.fine(2)
+                used = _uses(bounds, path, soft, time, k).max(axis=1)
+                used[ACCELERATION] = np.maximum(used[ACCELERATION], used[JERK])
+                begin = np.clip(np.searchsorted(soft.time, each.time[:-1], side="right") - 1, 0, used.shape[1] - 2)
+                end = np.clip(np.searchsorted(soft.time, each.time[1:] + width), begin + 1, used.shape[1] - 1)
+                places = np.column_stack((begin, end)).ravel()
+                over[:, a:b] = np.maximum(np.maximum.reduceat(used[:JERK], places, axis=1)[:, ::2], 1.0)
+            course = _joined(path, averaged)
+            duration = float(course.time[-1]) * max(1.0, _slack(_uses(bounds, path, course, *course.fine(2))))
+            if duration < shortest:
+                shortest, best = duration, course
+            softer = softer / over
+    return best
 
-    ramp: float
-    rise: float
-    cruise: float
-    most: float
 
-    def knots(self) -> tuple[list[float], list[float]]:
-        """Return the durations and the jerks of its seven parts, those of trapezoids without jerk."""
-        j = self.most / self.ramp if self.ramp > 0.0 else 0.0
-        flat = self.rise - 2.0 * self.ramp
-        return [self.ramp, flat, self.ramp, self.cruise, self.ramp, flat, self.ramp], [j, 0, -j, 0, -j, 0, j]
+def _move(bounds: Bounds, path: Path, k: int, profile: str) -> Course:
+    """Return the move along a straight piece: speed grows evenly, stays, falls; with the largest acceleration, up to
+    that given, at which torques and motors keep their limits, and slower where they do not at any.
 
-
-def move(length: float, v: float, a: float, j: float | None, ramp: float = 0.0) -> Move:
-    """Return the fastest move from rest to rest over a length within speed v, acceleration a and jerk j; without j the
-    acceleration takes the share `ramp` of speeding up to grow, and to fall: 0 is a trapezoid.
-
-    Source: Biagiotti and Melchiorri, Trajectory Planning for Automatic Machines and Robots (2008), 3.2 and 3.4.
+    Source: Biagiotti and Melchiorri, Trajectory Planning for Automatic Machines and Robots (2008), 3.2 and 3.4; an
+    S-curve is the moving average of a trapezoid, over the time of its jerk.
     """
-    if j is None:
-        mean = a * (1.0 - ramp)  # acceleration while speeding up
-        v = min(v, float(np.sqrt(length * mean)))
-        rise = v / mean
-        return Move(ramp * rise, rise, length / v - rise, a)
-    if v * j < a * a:
-        a = float(np.sqrt(v * j))
-    if v * (v / a + a / j) > length:
-        if length >= 2.0 * a**3 / j**2:
-            rise = a / (2.0 * j) + float(np.sqrt((a / (2.0 * j)) ** 2 + length / a))
-        else:
-            a = float(np.cbrt(length * j * j / 2.0))
-            rise = 2.0 * a / j
-        return Move(a / j, rise, 0.0, a)
-    rise = a / j + v / a
-    return Move(a / j, rise, length / v - rise, a)
-
-
-def _of_move(path: Path, k: int, one: Move) -> Course:
-    """Return the course of a move along a straight piece."""
-    steps, jerks = one.knots()
-    time, s, speed, u = [0.0], [float(path.breaks[k])], [0.0], [0.0 if one.ramp > 0.0 else one.most]
-    for number, (t, j) in enumerate(zip(steps, jerks, strict=True)):
-        begin = u[-1]
-        if one.ramp == 0.0:
-            begin = (one.most, one.most, one.most, 0.0, -one.most, -one.most, -one.most)[number]
-            u[-1] = begin
-        time.append(time[-1] + t)
-        s.append(s[-1] + t * (speed[-1] + t * (begin / 2.0 + t * j / 6.0)))
-        speed.append(speed[-1] + t * (begin + t * j / 2.0))
-        u.append(begin + j * t)
-    s[-1], speed[-1] = float(path.breaks[k + 1]), 0.0
-    parts = (np.array(each) for each in (time, s, np.maximum(speed, 0.0), u, jerks))
-    return Course(*parts, np.full(7, k))
-
-
-def _uses_of(bounds: Bounds, path: Path, courses: list[Course], parts: int) -> Floats:
-    """Return (C, 6, n) what courses use at most of each limit, each of their pieces looked at in so many parts."""
-    lengths = [len(course.jerk) for course in courses]
-    states = []
-    for course in courses:
-        k = np.repeat(np.arange(len(course.jerk)), parts + 1)
-        time = course.time[k] + np.tile(np.linspace(0.0, 1.0, parts + 1), len(course.jerk)) * np.diff(course.time)[k]
-        states.append(_states(path, course, time, k)[:3])
-    q, qd, qdd = (np.concatenate(each) for each in zip(*states, strict=True))
-    used = bounds.uses(q, qd, qdd)[0]
-    ends = np.cumsum([0, *(length * (parts + 1) for length in lengths)])[:-1]
-    return np.asarray(np.maximum.reduceat(used, ends, axis=1).transpose(1, 0, 2))
-
-
-def _states(path: Path, course: Course, time: Floats, k: NDArray[np.int64]) -> tuple[Floats, Floats, Floats, Floats]:
-    """Return q, qd, qdd and qddd (N, n) at these times, by polynomials k of a course."""
-    s, sd, u, j = (each[:, None] for each in course.at(time, k))
-    q, first, second, third = path.at(s[:, 0], course.piece[k])
-    return q, first * sd, first * u + second * sd * sd, first * j + 3.0 * second * sd * u + third * sd**3
-
-
-def _point_to_point(bounds: Bounds, path: Path, points: WayPoints, profile: str) -> Course:
-    """Return the moves from way-point to way-point, each as quick as limits of speed and acceleration, and torques,
-    allow."""
-    courses: list[Course] = []
-    now = 0.0
-    for k in range(len(path.breaks) - 1):
-        for wait in path.dwell[k : k + 1] if path.dwell[k] > 0.0 else ():
-            rest = np.array((now, now + wait)), np.full(2, path.breaks[k]), np.zeros(2), np.zeros(2), np.zeros(1)
-            courses.append(Course(*rest, np.array([min(k, len(path.breaks) - 2)])))
-            now += float(wait)
-        one = _quickest(bounds, path, k, profile)
-        courses.append(one._replace(time=one.time + now))
-        now = float(courses[-1].time[-1])
-    if path.dwell[-1] > 0.0:
-        end, last = np.full(2, path.breaks[-1]), np.array((now, now + path.dwell[-1]))
-        courses.append(Course(last, end, np.zeros(2), np.zeros(2), np.zeros(1), np.array([len(path.breaks) - 2])))
-    heads = [np.concatenate([each[part][:-1] for each in courses]) for part in range(4)]
-    ends = [np.append(head, courses[-1][part][-1]) for part, head in enumerate(heads)]
-    return Course(*ends, *(np.concatenate([each[part] for each in courses]) for part in (4, 5)))
-
-
-def _quickest(bounds: Bounds, path: Path, k: int, profile: str) -> Course:
-    """Return the quickest move along piece k of straight lines: with the largest acceleration, up to that given, at
-    which torques and motors keep their limits; slower, where they do not at any."""
     length, way = float(path.breaks[k + 1] - path.breaks[k]), np.abs(path.c[1, k])
     with np.errstate(divide="ignore"):
-        speed = bounds.velocity.copy()
-        for i, _ in bounds.trains:
-            speed[i] = min(speed[i], bounds.motor_speed[i])
-        v, a, j = (float((each / way).min()) for each in (speed, bounds.acceleration, bounds.jerk))
-    sharp = None if profile == "trapezoid" or not np.isfinite(j) else j
-    ramp = RAMP if profile == "scurve" else 0.0
+        fast, sharp, j = (float((each / way).min()) for each in (bounds.speed, bounds.acceleration, bounds.jerk))
 
-    def moves(accelerations: Floats, v: float) -> list[Course]:
-        return [_of_move(path, k, move(length, v, float(each), sharp, ramp)) for each in accelerations]
+    def course(a: float, v: float) -> Course:
+        ramp, given = RAMP if profile == "scurve" else 0.0, np.isfinite(j)
+        if given:  # the acceleration is reached, and the speed lasts as long as the jerk, at least
+            a = min(a, float(np.cbrt(0.5 * j * j * length)))
+            v = min(v, 0.5 * a * (float(np.hypot(a / j, 2.0 * np.sqrt(length / a))) - a / j))
+            a = min(a, float(np.sqrt(v * j)))
+        else:
+            v = min(v, float(np.sqrt(length * a / (1.0 + ramp))))
+        rise = v / a
+        time = np.cumsum([0.0, rise, max(length / v - rise, 0.0), rise])
+        s = path.breaks[k] + np.array([0.0, 0.5 * v * rise, length - 0.5 * v * rise, length])
+        u = np.array([a, 0.0, -a, 0.0])
+        one = Course(time, s, np.array([0.0, v, v, 0.0]), u, np.zeros(3), np.full(3, k))
+        return one.averaged(a / j if given else ramp * rise)
 
-    def worst(accelerations: Floats, v: float, parts: int = 32) -> Floats:
-        used = _uses_of(bounds, path, moves(accelerations, v), parts)
-        used[:, VELOCITY : ACCELERATION + 1] = 0.0
-        return np.asarray(used.max(axis=(1, 2)))
+    def keeps(a: float, v: float) -> bool:
+        one = course(a, v)
+        return bool(_uses(bounds, path, one, *one.fine(64))[EFFORT:JERK].max() <= 1.0)
 
-    largest = a if np.isfinite(a) else 1e8 * length
-    if np.isfinite(a) and worst(np.array([a]), v, 320)[0] <= 1.0:
-        return moves(np.array([a]), v)[0]
-    limited = np.isfinite(bounds.effort) | np.isin(np.arange(len(way)), [i for i, _ in bounds.trains])
-    if not np.isfinite(a) and not limited.any():
-        what = f"nothing limits the acceleration {_place(path, float(path.breaks[k]))}"
+    if not np.isfinite(sharp) and not (np.isfinite(bounds.effort) | bounds.driven).any():
+        what = f"nothing limits the acceleration {_place(path, path.breaks[k])}"
         raise InputError(what, remedy="--acceleration A; the description gives no effort, the scene no motor")
-    for _ in range(60):
-        tried = largest * np.geomspace(1e-12, 1.0, 41)
-        good = worst(tried, v) <= 1.0
-        if good[0]:
+    high, v = (sharp, fast) if np.isfinite(sharp) else (1e8 * length, min(fast, 1e4 * length))
+    if keeps(high, v):
+        return course(high, v)
+    low = 1e-12 * high
+    for _ in range(100):
+        if keeps(low, v):
             break
-        v = 0.7 * (v if np.isfinite(v) else 1e4 * length)
+        v *= 0.7
     else:
-        s = np.linspace(path.breaks[k], path.breaks[k + 1], 200)
-        raise _stuck(Along(bounds, path, s), 0, np.zeros(0))
-    for _ in range(8):
-        if good.all():
-            break
-        first = int(np.argmin(good))
-        tried = np.linspace(tried[first - 1], tried[first], 17)
-        good = worst(tried, v) <= 1.0
-    found = float(tried[-1] if good.all() else tried[max(int(np.argmin(good)) - 1, 0)])
-    for _ in range(60):
-        over = float(worst(np.array([found]), v, 320)[0])
-        if over <= 1.0 + PASSED / 2:
-            break
-        found *= 1.0 - 2.0 * max(over - 1.0, PASSED)
-    return moves(np.array([found]), v)[0]
+        raise _stuck(Along(bounds, path, np.linspace(path.breaks[k], path.breaks[k + 1], 200)), 0)
+    while high > low * (1.0 + 1e-10):
+        middle = float(np.sqrt(low * high)) if high > 2.0 * low else 0.5 * (low + high)
+        low, high = (middle, high) if keeps(middle, v) else (low, middle)
+    return course(low, v)
 
 
 def _result(
     bounds: Bounds,
     path: Path,
+    limits: Floats,
     course: Course,
     rate: float,
     profile: str,
-    grid: int,
-    most: Any,
-    unlimited: float | None,
     warnings: list[str],
+    found: Any,
 ) -> Retimed:
     """Sample a course, and say what binds."""
-    model, names = bounds.model, bounds.model.joint_names
-    limits = np.vstack((bounds.limits, bounds.jerk))
+    names, n = bounds.model.joint_names, bounds.model.n
     for _ in range(20):
-        samples = int(np.ceil(course.time[-1] * rate - 1e-9)) + 1
+        samples = max(int(np.ceil(course.time[-1] * rate - 1e-9)) + 1, 2)
         if samples > MOST_SAMPLES:
             what = f"the motion takes {course.time[-1]:.6g} s, {samples} rows"
             raise InputError(what, remedy=f"--rate of fewer rows per second, {MOST_SAMPLES} at most")
-        time = np.linspace(0.0, course.time[-1], max(samples, 2))
-        k = np.clip(np.searchsorted(course.time, time, side="right") - 1, 0, len(course.jerk) - 1)
-        q, qd, qdd, qddd = _states(path, course, time, k)
+        time = np.linspace(0.0, course.time[-1], samples)
+        k = course.knot(time)
+        q, qd, qdd, _ = course.states(path, time, k)
         qd[[0, -1]] = 0.0
-        used, tau = bounds.uses(q, qd, qdd)
-        over = float(used.max(initial=0.0))
-        if over <= 1.0 + PASSED / 2:
+        used = _uses(bounds, path, course, time, k)
+        if (slack := _slack(used)) <= 1.0 + PASSED / 4.0:
             break
-        course = course.slower(1.0 + max(over - 1.0, PASSED))
-    used = np.concatenate((used, (np.abs(qddd) / bounds.jerk)[None]))
-    s = course.at(time, k)[0]
+        course = course.slower(slack * (1.0 + _ROUNDING))
+    tau = bounds.torques(q, qd, qdd)
     flat = np.ascontiguousarray(used.transpose(1, 0, 2).reshape(len(time), -1))
-    leads = first_of_ties(flat)
-    leads[flat.max(axis=1) < BINDS] = -1
-    found = []
-    for each in range(flat.shape[1]):
-        share = float((leads == each).mean())
-        if share > 0.0:
-            found.append(Binding(names[each % model.n], LIMITS[each // model.n], share))
-    found.sort(key=lambda one: -one.share_of_time)
-    joints = []
-    for i, name in enumerate(names):
-        own = [f for f in range(len(LIMITS)) if used[f, :, i].any() or np.isfinite(limits[f, i])]
-        use = {LIMITS[f]: float(used[f, :, i].max()) for f in own}
-        joints.append(JointUse(name, use, {LIMITS[f]: float(time[first_of_ties(used[f, None, :, i])[0]]) for f in own}))
-    return Retimed(
-        *(model, bounds.scene, True, "", profile, path, grid, time, q, qd, qdd, tau, path.row(s)),
-        *(
-            tuple(found),
-            tuple(joints),
-            used,
-            limits,
-            most,
-            unlimited,
-            (*warnings, *_continuous(bounds, time, qd, qdd, tau)),
-        ),
-    )
+    leads = np.where(flat.max(axis=1) < BINDS, -1, first_of_ties(flat))
+    shares = [Binding(names[f % n], LIMITS[f // n], float((leads == f).mean())) for f in range(flat.shape[1])]
+    binding = ranked((one for one in shares if one.share_of_time > 0.0), lambda one: one.share_of_time)
+    use = [{LIMITS[f]: float(used[f, :, i].max()) for f in np.flatnonzero(used[:, :, i].any(axis=1))} for i in range(n)]
+    found |= {"time": time, "q": q, "qd": qd, "qdd": qdd, "tau": tau, "row": path.row(course.at(time, k)[0])}
+    found |= {"binding": tuple(binding), "joints": tuple(map(JointUse, names, use)), "used": used}
+    more = (*warnings, *_continuous(bounds, time, qd, qdd, tau))
+    return Retimed(bounds.model, bounds.scene, profile, path, limits, warnings=more, **found)
 
 
-def _continuous(bounds: Bounds, time: Floats, qd: Floats, qdd: Floats, tau: Floats) -> list[str]:
-    """Return what is said of motors whose RMS torque is above their continuous curves, if the motion is repeated."""
-    lines = []
+def _continuous(bounds: Bounds, time: Floats, qd: Floats, qdd: Floats, tau: Floats) -> Iterator[str]:
+    """Yield what is said of motors whose RMS torque is above their continuous curves, if the motion is repeated."""
     for i, train in bounds.trains:
-        if train.motor.continuous is None or time[-1] <= 0.0:
-            continue
         torque = motor_torque(train, load_torque(train, tau[:, i], qdd[:, i]), qd[:, i], qdd[:, i])
-        rms = float(np.sqrt(np.trapezoid(torque * torque, time) / time[-1]))
-        mean = float(np.trapezoid(np.abs(train.gear * qd[:, i]), time) / time[-1])
-        may = float(allowed(train.motor.continuous, mean))
-        if rms > may:
-            name = bounds.model.joint_names[i]
-            what = (
-                f"{name}: repeated without a pause, its motor's RMS torque of {rms:.4g} N m is above the {may:.4g} N m"
-            )
-            lines.append(f"{what} of its continuous curve (a dwell, or --speed, lessens it)")
-    return lines
+        rms, mean = float(np.sqrt(np.mean(torque**2))), float(np.mean(np.abs(train.gear * qd[:, i])))
+        if rms > (may := float(allowed(train.motor.continuous, mean))):
+            what = f"{bounds.model.joint_names[i]}: if this is repeated, its motor's RMS torque of {rms:.4g} N m"
+            yield f"{what} is above the {may:.4g} N m of its continuous curve (a dwell, or --speed, lessens it)"
