@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from robodyn.sizing.retime import BINDS, FINE, Retimed
 from robodyn.support.floats import Floats
 from robodyn.support.wording import count
 
-_MOST_SPANS, _PLOTTED, _FRAMES = 60, 12, 400
+_PLOTTED, _FRAMES = 12, 400
 _WORDS = {"optimal": "the shortest time along the path", "trapezoid": "trapezoids of speed", "scurve": "S-curves"}
 
 
@@ -29,11 +30,11 @@ def retime_sections(found: Retimed) -> Iterator[doc.Section]:
         yield [doc.Table("What binds", ("joint", "limit", "share of time"), rows, note)]
     if found.joints:
         shown = [name for name in LIMITS if any(name in joint.use for joint in found.joints)]
-        rows = []
+        uses = list[tuple[str, ...]]()
         for joint in found.joints:
             cells = (f"{100 * joint.use[name]:.4g} %" if name in joint.use else "-" for name in shown)
-            rows.append((joint.name, *cells))
-        yield [doc.Table("Largest use of each limit", ("joint", *shown), rows)]
+            uses.append((joint.name, *cells))
+        yield [doc.Table("Largest use of each limit", ("joint", *shown), uses)]
     yield doc.remarks("warning", found.warnings)
 
 
@@ -62,15 +63,13 @@ def verdict(found: Retimed) -> doc.Verdict:
 
 def retime_page(found: Retimed, pictures: bool = True) -> doc.Document:
     """Return the verdict, the robot along the motion, the path's speed, what binds when, and the use of limits."""
-    blocks: list[doc.Block] = [verdict(found)]
-    if found.feasible:
-        if pictures:
-            blocks.append(_stage(found))
-            blocks += doc.titled("Along the path", doc.gallery(_speed_charts(found)))
-        blocks += _binding_bars(found)
-        if pictures:
-            blocks += doc.titled("Use of limits", doc.gallery(_use_charts(found)))
-            blocks += doc.titled("Torques", doc.gallery(_torque_charts(found)))
+    said = verdict(found)
+    blocks: list[doc.Block] = [replace(said, reasons=(*said.reasons, *found.warnings))]
+    if found.feasible and pictures:
+        blocks.append(_stage(found))
+        blocks += doc.titled("Along the path", doc.gallery([*_speed_charts(found), *_binding_chart(found)]))
+        blocks += doc.titled("Use of limits", doc.gallery(_use_charts(found)))
+        blocks += doc.titled("Torques", doc.gallery(_torque_charts(found)))
     sections = [*retime_sections(found)][1:]
     data = [("retime.json", retime_json(found))]
     if found.feasible:
@@ -116,21 +115,20 @@ def _rows(found: Retimed) -> Floats:
     return 1.0 + np.arange(float(found.samples))
 
 
-def _binding_bars(found: Retimed) -> list[doc.Block]:
-    """Return for each joint and limit that binds the times at which it does, over the duration."""
-    rows = []
-    flat = found.used.max(axis=(0, 2))
-    for one in found.binding[:20]:
-        i, f = found.model.joint_names.index(one.joint), LIMITS.index(one.limit)
-        on = (found.used[f, :, i] >= BINDS) & (found.used[f, :, i] >= flat * (1.0 - 1e-9))
-        edges = np.flatnonzero(np.diff(np.concatenate(([0], on.astype(int), [0])))).reshape(-1, 2)[:_MOST_SPANS]
-        ends = np.append(found.time, found.time[-1]) / found.time[-1] * 100.0
-        colour = COLOURS[f % len(COLOURS)]
-        bars = [("", float(ends[a]), float(ends[min(b, found.samples)]), colour) for a, b in edges.tolist()]
-        words = f"{100 * one.share_of_time:.3g} % of the time"
-        rows.append((f"{printable(one.joint)}: {one.limit}", bars, words))
-    note = f"From 0 to {found.duration:.6g} s."
-    return [doc.Bars("When each limit binds", rows, note)] if rows else []
+def _binding_chart(found: Retimed) -> Iterator[doc.Chart]:
+    """Yield for each limit that binds, the most frequent on top, a line over the times at which it does."""
+    shown = found.binding[: len(COLOURS)]
+    most, lines = found.used.max(axis=(0, 2)), {}
+    for k, one in enumerate(shown):
+        used = found.used[LIMITS.index(one.limit), :, found.model.joint_names.index(one.joint)]
+        on = (used >= BINDS) & (used >= most * (1.0 - 1e-9))
+        level = np.where(on, float(len(shown) - k), np.nan)
+        lines[f"{printable(one.joint)}: {one.limit}, {100 * one.share_of_time:.3g} %"] = (found.time, level)
+    if lines:
+        alt = f"What binds over time, in the order of its share: {'; '.join(lines)}"
+        yield plane_chart(
+            "What binds when; shares of the time", alt, "time [s]", "the most frequent on top", lines=lines
+        )
 
 
 def _use_charts(found: Retimed) -> Iterator[doc.Chart]:

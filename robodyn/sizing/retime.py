@@ -390,7 +390,8 @@ def _joined(path: Path, stretches: list[Course]) -> Course:
     for k, (s, wait) in enumerate(zip(path.stops, path.dwell, strict=True)):
         if wait > 0.0:
             piece = path.pieces(np.array([s]))
-            parts.append(Course(np.array((now, now + wait)), np.full(2, s), *np.zeros((2, 2)), np.zeros(1), piece))
+            rest = np.zeros(2)
+            parts.append(Course(now + np.array((0.0, wait)), np.full(2, s), rest, rest, rest[:1], piece))
             now += float(wait)
         if k < len(stretches):
             parts.append(stretches[k]._replace(time=stretches[k].time + now))
