@@ -134,7 +134,8 @@ class Path:
         return np.asarray(np.interp(s, self.marks, self.rows.astype(float)))
 
     def grid(self, points: int) -> Floats:
-        """Return places (N,), about so many, every break among them, and where joints turn back."""
+        """Return places (N,), about so many, every break among them, and where joints turn back; beside stops they are even
+        in time rather than in s."""
         lengths = np.diff(self.breaks)
         counts = np.maximum(np.ceil(points * lengths / lengths.sum()), min(20, points // len(lengths)))
         parts = [a + (b - a) * np.arange(m) / m for a, b, m in zip(self.breaks, self.breaks[1:], counts, strict=False)]
@@ -151,6 +152,10 @@ class Path:
             low, high = np.where(before, middle, low), np.where(before, high, middle)
         near = 1e-6 * (s[k + 1] - s[k])
         turns.append(low[(low - s[k] > near) & (s[k + 1] - low > near)])
+        many, average = min(points // (8 * len(self.stops)), 16), self.breaks[-1] / points
+        slow = many * average * np.square(np.arange(1, 4 * many) / (4 * many or 1))
+        slow = (self.stops[:, None] + np.concatenate((slow, -slow))).ravel()
+        turns.append(slow[(slow > 0.0) & (slow < self.breaks[-1])])
         s = np.unique(np.concatenate(turns))
         step = 1e-9 * float(lengths.min())
         return np.asarray(s[np.concatenate(([True], np.diff(s) > step))])
