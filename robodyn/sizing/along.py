@@ -28,7 +28,7 @@ from robodyn.support.wording import alternatives, shown
 
 LIMITS = ("velocity", "acceleration", "effort", "motor torque", "motor speed", "gear torque", "jerk")
 VELOCITY, ACCELERATION, EFFORT, MOTOR_TORQUE, MOTOR_SPEED, GEAR, JERK = range(len(LIMITS))
-_SLOWEST = 1e-9  # rad/s, m/s: what counts as moving, for the friction at the beginning of a motion
+SLOWEST = 1e-9  # rad/s, m/s: what counts as moving, for the friction at the beginning of a motion
 _STEP = 1e-4  # of the speed, over which the slope of friction is taken
 PerJoint = float | Sequence[float] | Mapping[str, float]
 
@@ -123,7 +123,7 @@ class Bounds:
             values[MOTOR_SPEED, ..., i], values[GEAR, ..., i] = speed, np.abs(load)
             if train.motor.peak is not None:
                 least = LEAST * max(y for _, y in points(train.motor.peak))
-                most = np.maximum(allowed(train.motor.peak, speed * (1.0 - 1e-12)), least)
+                most = np.maximum(allowed(train.motor.peak, np.minimum(speed, _speed_limit(train))), least)
                 torque = motor_torque(train, load, qd[..., i], qdd[..., i])
                 values[MOTOR_TORQUE, ..., i] = np.abs(torque) / most
         limits = self.limits
@@ -132,9 +132,9 @@ class Bounds:
 
 
 def _speed_limit(train: Train) -> float:
-    """The largest speed of a motor, and where its peak curve ends [rad/s]."""
+    """The largest speed of a motor [rad/s], just before the end of its peak curve, behind which there is no torque."""
     most = train.speed_limit or np.inf
-    return min(most, train.motor.peak[-1][0]) if isinstance(train.motor.peak, tuple) else most
+    return min(most, train.motor.peak[-1][0] * (1.0 - 1e-8)) if isinstance(train.motor.peak, tuple) else most
 
 
 def bounds_of(model: Model, scene: Scene, acceleration: PerJoint | None, jerk: PerJoint | None, speed: float) -> Bounds:
@@ -203,11 +203,11 @@ class Along:
         ends = self.ends
         if not self.rubs:
             return np.zeros_like(ends.c), np.zeros_like(ends.c)
-        sd = np.maximum(speed, _SLOWEST)[..., None]
+        sd = np.maximum(speed, SLOWEST)[..., None]
         found = []
         for factor in (1.0, 1.0 + _STEP):
             qd = ends.first * (factor * sd)
-            qd = np.where(np.abs(qd) < _SLOWEST, _SLOWEST * ends.way, qd)
+            qd = np.where(np.abs(qd) < SLOWEST, SLOWEST * ends.way, qd)
             with_it, without = (
                 inverse_dynamics(self.bounds.model, ends.q, qd, 0.0, scene=scene)
                 for scene in (self.bounds.scene, self.smooth)

@@ -134,8 +134,8 @@ class Path:
         return np.asarray(np.interp(s, self.marks, self.rows.astype(float)))
 
     def grid(self, points: int) -> Floats:
-        """Return places (N,), about so many, every break among them, and where joints turn back; beside stops they are even
-        in time rather than in s."""
+        """Return places (N,), about so many, every break among them, and where joints turn back; beside stops they are
+        even in time rather than in s."""
         lengths = np.diff(self.breaks)
         counts = np.maximum(np.ceil(points * lengths / lengths.sum()), min(20, points // len(lengths)))
         parts = [a + (b - a) * np.arange(m) / m for a, b, m in zip(self.breaks, self.breaks[1:], counts, strict=False)]

@@ -31,6 +31,7 @@ from robodyn.sizing.along import (
     JERK,
     LIMITS,
     MOTOR_TORQUE,
+    SLOWEST,
     Along,
     Bounds,
     PerJoint,
@@ -92,7 +93,7 @@ class Course(NamedTuple):
 
     def fine(self, parts: int = FINE) -> tuple[Floats, NDArray[np.int64]]:
         """Return times (parts + 1, K) in all polynomials, and the numbers of these."""
-        time = self.time[:-1] + np.linspace(0.0, 1.0, parts + 1)[:, None] * np.diff(self.time)
+        time = self.time[:-1] + _inside(self.speed, parts) * np.diff(self.time)
         return time, np.broadcast_to(np.arange(len(self.jerk)), time.shape)
 
     def averaged(self, width: float) -> Course:
@@ -122,6 +123,15 @@ class Course(NamedTuple):
         piece = self.piece[:1] if (self.piece == self.piece[0]).all() else np.array([-1])
         jerk = (now - then) / width
         return Course(knots, s, np.maximum(speed, 0.0), u, jerk, np.repeat(piece, len(jerk)))
+
+
+def _inside(speed: Floats, parts: int) -> Floats:
+    """Return (parts + 1, K) parts of intervals from one end to the other, or nearly: there a joint may turn back, and
+    only a robot at rest is at both sides of that."""
+    found = np.repeat(np.linspace(0.0, 1.0, parts + 1)[:, None], len(speed) - 1, axis=1)
+    found[0, speed[:-1] > 0.0] = 1e-9
+    found[-1, speed[1:] > 0.0] = 1.0 - 1e-9
+    return found
 
 
 @dataclass(frozen=True)
@@ -353,8 +363,8 @@ def _steps(along: Along, x: Floats) -> Floats:
 
 def _most_used(along: Along, x: Floats) -> Floats:
     """Return (6, N, n) what is used of each limit at most in each interval, by parabolas between its parts."""
-    part = np.linspace(0.0, 1.0, FINE + 1)[:, None]  # of the time in an interval
     u, speed = np.diff(x) / (2.0 * along.steps), np.sqrt(x)
+    part = _inside(speed, FINE)  # of the time in an interval
     time = part * (2.0 * along.steps / (speed[1:] + speed[:-1]))
     s = along.s[:-1] + time * (speed[:-1] + 0.5 * u * time)
     sd = speed[:-1] + part * np.diff(speed)
@@ -426,30 +436,28 @@ def _settled(bounds: Bounds, path: Path, course: Course, warnings: list[str]) ->
 
 
 def _stuck(along: Along, k: int) -> InfeasibleError:
-    """Return why no pass leads through interval k: the joint that cannot even stand there, if one cannot."""
-    bounds, model, path = along.bounds, along.bounds.model, along.path
-    zero = np.zeros_like(along.ends.q)
-    used, tau = bounds.uses(along.ends.q, zero, zero)
-    still = used[[EFFORT, MOTOR_TORQUE, GEAR]]
-    if still.max() > 1.0:
-        which, end, at, i = (int(each) for each in np.unravel_index(int(still.argmax()), still.shape))
-        share, needs, unit, s = (
-            float(still.max()),
-            abs(float(tau[end, at, i])),
-            _units(model, i)[1],
-            along.ends.s[end, at],
-        )
-        missing, limit = needs - needs / share, LIMITS[(EFFORT, MOTOR_TORQUE, GEAR)[which]]
-        why = f"{model.joint_names[i]} needs {needs:.6g} {unit} to stand still {_place(path, s)}; its limit of {limit} "
-        return InfeasibleError(
-            f"{why}bears {needs / share:.6g} {unit}, {missing:.4g} {unit} are missing", model, path, s, i, missing, unit
-        )
-    needs = (np.abs(tau) + np.abs(along.friction(np.zeros(zero.shape[:2]))[0]))[:, k].max(axis=0)
-    i = int((needs / bounds.limits[EFFORT]).argmax())
-    missing, limit, unit = float(needs[i] - bounds.limits[EFFORT, i]), bounds.limits[EFFORT, i], _units(model, i)[1]
-    why = f"no speed keeps all limits {_place(path, along.s[k])}; {model.joint_names[i]}, nearest to its own, "
-    why += f"needs {needs[i]:.6g} {unit} of {limit:g} against weight and friction"
-    return InfeasibleError(why, model, path, along.s[k], i, max(missing, 0.0), unit)
+    """Return why no pass leads through interval k: the joint that cannot stand or creep on the path, if one cannot."""
+    bounds, model, path, ends = along.bounds, along.bounds.model, along.path, along.ends
+    zero, families = np.zeros_like(ends.q), [EFFORT, MOTOR_TORQUE, GEAR]
+    for verb, slow in (
+        ("stand still", zero),
+        ("creep against friction", np.broadcast_to(SLOWEST * ends.way, zero.shape)),
+    ):
+        used, tau = bounds.uses(ends.q, slow, zero)
+        used = used[families]
+        if used.max() > 1.0:
+            which, end, at, i = (int(each) for each in np.unravel_index(int(used.argmax()), used.shape))
+            share, needs, unit, s = float(used.max()), abs(float(tau[end, at, i])), _units(model, i)[1], ends.s[end, at]
+            what, missing = LIMITS[families[which]], needs - needs / share
+            why = (
+                f"{model.joint_names[i]} needs {needs:.6g} {unit} to {verb} {_place(path, s)}, and its limit of {what} "
+            )
+            why += f"bears {needs / share:.6g} {unit}: {missing:.4g} {unit} are missing"
+            return InfeasibleError(why, model, path, s, i, missing, unit)
+    which, end, i = (int(each) for each in np.unravel_index(int(used[:, :, k].argmax()), used[:, :, k].shape))
+    why = f"no speed keeps all limits {_place(path, along.s[k])}; the nearest to its own is {model.joint_names[i]}, "
+    why += f"which uses {100.0 * used[which, end, k, i]:.3g} % of its limit of {LIMITS[families[which]]} at rest"
+    return InfeasibleError(why, model, path, along.s[k], i, 0.0, _units(model, i)[1])
 
 
 def _within_jerk(along: Along, kept: Floats, x: Floats) -> Course:

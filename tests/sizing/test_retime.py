@@ -323,7 +323,7 @@ def test_motors_gears_and_friction_keep_their_limits(seed):
         longer = retime(model, q, scene, grid=400, speed=0.9)
         assert longer.duration >= found.duration * (1.0 - 1e-6)
         assert sum(one.share_of_time for one in found.binding) >= 0.5
-    assert done >= 3
+    assert done == 6
 
 
 def test_stribeck_and_coupled_motors_are_along_for_the_ride():
