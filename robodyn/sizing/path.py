@@ -21,7 +21,7 @@ from robodyn.trajectory.read import open_table, signals
 DWELL = "dwell"
 MOST_ROWS = 100_000
 _SAME = 1e-9  # of the whole way: rows that are nearer to each other are one way-point
-_LEAST = 1e-12  # rad or m: what is no way at all
+_LEAST, _FARTHEST = 1e-12, 1e6  # rad or m: what is no way at all, and what is none that a robot goes
 
 
 class WayPoints(NamedTuple):
@@ -50,6 +50,11 @@ def read_path(source: Any, model: Model, scene: Scene, **reading: Any) -> WayPoi
         if q.ndim != 2 or q.shape[1] != model.n or not np.isfinite(q).all():
             raise TrajectoryError(f"the path has shape {q.shape}", remedy=f"finite numbers (M, {model.n})")
         file, dwell = None, np.zeros(len(q))
+    if np.abs(q).max(initial=0.0) > _FARTHEST:
+        row, i = np.argwhere(np.abs(q) > _FARTHEST)[0].tolist()
+        raise TrajectoryError(
+            f"row {row + 1}: {model.joint_names[i]} is at {q[row, i]:g}", remedy="rad, or m", file=file
+        )
     if (dwell < 0.0).any():
         row = int(np.argmax(dwell < 0.0)) + 1
         raise TrajectoryError(f"row {row}: dwell is {dwell[row - 1]:g} s", remedy="0 or more", file=file)

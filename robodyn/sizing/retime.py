@@ -53,8 +53,10 @@ PASSED, BINDS = 1e-9, 0.995
 RAMP = 0.25
 """Of the time of speeding up: that over which an S-curve's acceleration grows, where no jerk is given."""
 _ROUNDS, _SAME, _ROUNDING = 40, 1e-9, 1e-12
-_WINDOWS = 0.25 * 2.0 ** np.arange(0.0, 4.0)  # moving averages that are tried, of the least by acceleration and jerk
-_SOFTER = 6
+_TRIED, _SOFTER = 2, 4
+"""Widths of moving averages that are tried behind the best, and how often accelerations are lowered for each."""
+MOST_STOPS = 500
+"""Way-points from stop to stop; a path of more is followed in one go."""
 
 
 class Course(NamedTuple):
@@ -278,6 +280,9 @@ def retime(
             if np.isfinite(bounds.jerk).any():
                 found["unlimited"] = float(course.time[-1])
                 course = _settled(bounds, way, _within_jerk(along, kept, x), warnings)
+        elif len(way.breaks) > MOST_STOPS:
+            what = f"{len(way.breaks)} way-points to stop at"
+            raise InputError(what, remedy=f"{MOST_STOPS} at most; --profile optimal follows a dense path in one go")
         else:
             moves = [_move(bounds, way, k, profile) for k in range(len(way.breaks) - 1)]
             course = _settled(bounds, way, _joined(way, moves), warnings)
@@ -466,12 +471,11 @@ def _within_jerk(along: Along, kept: Floats, x: Floats) -> Course:
     bounds, path = along.bounds, along.path
     first = _joined(path, _stretches(along, x))
     fastest = np.abs(first.states(path, *first.fine())[2]).max(axis=(0, 1))
-    along.softest = np.where(
-        fastest > 1e-9 * fastest.max(), fastest, np.inf
-    )  # an acceleration that can be lowered, where none is limited
-    least, best, shortest = float((fastest / bounds.jerk).max()), first, np.inf
-    for width in (2.0 * least * _WINDOWS).tolist():
-        softer = kept
+    width, best, shortest, since = 4.0 * float((fastest / bounds.jerk).max()), first, np.inf, 0
+    while since < _TRIED and width > 0.0:
+        width, softer, since = 0.5 * width, kept, since + 1
+        softest = np.minimum(fastest, width * bounds.jerk)
+        along.softest = np.where(softest > 1e-9 * softest.max(), softest, np.inf)
         for _ in range(_SOFTER):
             try:
                 x = _pass(along, x, softer)[1]
@@ -491,7 +495,7 @@ def _within_jerk(along: Along, kept: Floats, x: Floats) -> Course:
             course = _joined(path, averaged)
             duration = float(course.time[-1]) * max(1.0, _slack(_uses(bounds, path, course, *course.fine(2))))
             if duration < shortest:
-                shortest, best = duration, course
+                shortest, best, since = duration, course, 0
             softer = softer / over
     return best
 
