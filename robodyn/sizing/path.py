@@ -142,7 +142,8 @@ class Path:
         """Return places (N,), about so many, every break among them, and where joints turn back; beside stops they are
         even in time rather than in s."""
         lengths = np.diff(self.breaks)
-        counts = np.maximum(np.ceil(points * lengths / lengths.sum()), min(20, points // len(lengths)))
+        least = max(min(20, points // len(lengths)), min(len(self.stops) - 1, 2))
+        counts = np.maximum(np.ceil(points * lengths / lengths.sum()), least)
         parts = [a + (b - a) * np.arange(m) / m for a, b, m in zip(self.breaks, self.breaks[1:], counts, strict=False)]
         s = np.concatenate([*parts, self.breaks[-1:]])
         piece = self.pieces(0.5 * (s[1:] + s[:-1]))

@@ -471,7 +471,8 @@ def _within_jerk(along: Along, kept: Floats, x: Floats) -> Course:
     bounds, path = along.bounds, along.path
     first = _joined(path, _stretches(along, x))
     fastest = np.abs(first.states(path, *first.fine())[2]).max(axis=(0, 1))
-    width, best, shortest, since = 4.0 * float((fastest / bounds.jerk).max()), first, np.inf, 0
+    lone = 0.25 * np.cbrt(8.0 * fastest * first.time[-1] ** 2 / bounds.jerk)  # where nothing else limits the motion
+    width, best, shortest, since = 4.0 * float(np.minimum(fastest / bounds.jerk, lone).max()), first, np.inf, 0
     while since < _TRIED and width > 0.0:
         width, softer, since = 0.5 * width, kept, since + 1
         softest = np.minimum(fastest, width * bounds.jerk)

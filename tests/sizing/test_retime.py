@@ -308,14 +308,11 @@ def at_shafts(model, scene, found):
 @pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow), pytest.param(3, marks=pytest.mark.slow)])
 def test_motors_gears_and_friction_keep_their_limits(seed):
     model, rng = robodyn.load("robots/puma560.urdf"), np.random.default_rng(seed)
-    done = 0
-    for _ in range(6):
+    for _ in range(3):
         scene = random_scene(model, rng)
         q = 0.5 * random_path(model, rng, 4)
         found = retime(model, q, scene, grid=400, rate=2000.0)
-        if not found.feasible:
-            continue
-        done += 1
+        assert found.feasible, found.reason
         assert at_shafts(model, scene, found) <= 1.0 + 1e-8
         assert (
             np.abs(found.tau - robodyn.inverse_dynamics(model, found.q, found.qd, found.qdd, scene=scene)).max() == 0.0
@@ -323,7 +320,6 @@ def test_motors_gears_and_friction_keep_their_limits(seed):
         longer = retime(model, q, scene, grid=400, speed=0.9)
         assert longer.duration >= found.duration * (1.0 - 1e-6)
         assert sum(one.share_of_time for one in found.binding) >= 0.5
-    assert done == 6
 
 
 def test_stribeck_and_coupled_motors_are_along_for_the_ride():
@@ -422,6 +418,8 @@ def test_positions_beyond_a_limit_are_told():
         ("slide", [[0.0], [1.0]], {"jerk": [1.0, 2.0]}, "2 numbers for 1 joint"),
         ("slide", [[0.0], [1.0]], {"blend": 0.1, "profile": "scurve"}, "goes with optimal"),
         ("slide", [[0.0], [1.0]], {"rate": 1e9}, "rows"),
+        ("slide", [[0.0], [1e300]], {}, "x is at 1e+300"),
+        ("slide", np.linspace(0.0, 1.0, 600)[:, None], {"profile": "trapezoid"}, "600 way-points to stop at"),
     ],
 )
 def test_what_is_wrong_is_said(model, path, how, what):
