@@ -7,22 +7,9 @@ from typing import Any
 
 import click
 
+from robodyn.cli import options
 from robodyn.cli.files import ROBOT, TABLE, check_names, expect, robot_in_scene
-from robodyn.cli.options import (
-    FORMAT,
-    PATH,
-    POSITIVE,
-    REPORT,
-    SCENE,
-    TABLE_OUT,
-    VALUES,
-    Call,
-    Parsed,
-    finite_numbers,
-    option,
-    takes,
-)
-from robodyn.cli.options import TABLE as MAPPED
+from robodyn.cli.options import Call, Parsed, finite_numbers, option, takes
 from robodyn.cli.screen import answer, write_table
 from robodyn.report.retime import retime_json, retime_page, retime_sections
 from robodyn.sizing.retime import GRID, PROFILES, RATE, retime
@@ -37,24 +24,24 @@ def _share(text: str) -> float:
 
 
 @click.command("retime", short_help="Time a path: the fastest motion within all limits, or point to point.")
-@click.argument("urdf", type=PATH)
-@click.argument("path", type=PATH)
+@click.argument("urdf", type=options.PATH)
+@click.argument("path", type=options.PATH)
 @takes(
-    option("--out FILE", "Write the motion: .csv, .parquet or .npz.", TABLE_OUT),
+    option("--out FILE", "Write the motion: .csv, .parquet or .npz.", options.TABLE_OUT),
     option("--profile", "optimal: the shortest time; others: from stop to stop.", PROFILES, default=PROFILES[0]),
     option("--speed SHARE", "Of the velocity limits, such as 80%.", Parsed("share", _share), default=1.0),
-    option("--acceleration A", "rad/s^2 (m/s^2), of all joints; or JOINT=A,...", VALUES),
-    option("--jerk J", "rad/s^3 (m/s^3), likewise.", VALUES),
+    option("--acceleration A", "rad/s^2 (m/s^2), of all joints; or JOINT=A,...", options.VALUES),
+    option("--jerk J", "rad/s^3 (m/s^3), likewise.", options.VALUES),
     option("--blend R", "rad, m: straight lines, corners rounded from R on; 0 stops.", click.FloatRange(min=0.0)),
-    option("--rate HZ", f"Rows per second; default {RATE:g}.", POSITIVE, default=RATE),
+    option("--rate HZ", f"Rows per second; default {RATE:g}.", options.POSITIVE, default=RATE),
     option("--grid N", f"Intervals of the path; default {GRID}.", int, default=GRID),
     option("--hold rest|POSITION|...*", "Joints without columns: at rest, a position, JOINT=POSITION,..."),
-    MAPPED,
+    options.TABLE,
     option("--angle-unit", "Of joints whose columns do not tell; default rad.", ("rad", "deg")),
     option("--ignore-extra", "Leave out columns that the robot does not know."),
-    SCENE,
-    REPORT,
-    FORMAT,
+    options.SCENE,
+    options.REPORT,
+    options.FORMAT,
 )
 def command(call: Call, urdf: str, path: str, profile: str, **how: Any) -> int:
     """Lead a curve through the way-points of a table, and time it: as fast as the limits of speed, acceleration, torque

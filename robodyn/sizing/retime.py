@@ -75,7 +75,7 @@ class Course(NamedTuple):
         t, j = time - self.time[k], self.jerk[k]
         s = self.s[k] + t * (self.speed[k] + t * (self.u[k] / 2.0 + t * (j / 6.0)))
         sd = self.speed[k] + t * (self.u[k] + t * (j / 2.0))
-        return s, np.maximum(sd, 0.0), self.u[k] + j * t, j
+        return s, np.where(sd > _ROUNDING * self.speed.max(), sd, 0.0), self.u[k] + j * t, j
 
     def knot(self, time: Floats) -> NDArray[np.int64]:
         """Return by which polynomials these times are."""
@@ -273,19 +273,19 @@ def retime(
             along = Along(bounds, way, way.grid(max(grid, len(way.breaks) - 1)))
             kept, x, top = _fastest(along)
             free = replace(bounds, jerk=np.full(model.n, np.inf))
-            course = _settled(free, way, _joined(way, _stretches(along, x)), warnings)
+            course = _settled(free, way, _joined(way, _stretches(along, x)))
             with np.errstate(divide="ignore"):
                 pace = np.diff(way.row(along.s)) / along.steps * np.sqrt(top)
             found |= {"grid": len(along.steps), "most": (way.row(along.s[:-1]), pace)}
             if np.isfinite(bounds.jerk).any():
                 found["unlimited"] = float(course.time[-1])
-                course = _settled(bounds, way, _within_jerk(along, kept, x), warnings)
+                course = _settled(bounds, way, _within_jerk(along, kept, x))
         elif len(way.breaks) > MOST_STOPS:
             what = f"{len(way.breaks)} way-points to stop at"
             raise InputError(what, remedy=f"{MOST_STOPS} at most; --profile optimal follows a dense path in one go")
         else:
             moves = [_move(bounds, way, k, profile) for k in range(len(way.breaks) - 1)]
-            course = _settled(bounds, way, _joined(way, moves), warnings)
+            course = _settled(bounds, way, _joined(way, moves))
     except InfeasibleError as why:
         return Retimed(model, scene, profile, way, limits, str(why), why.where, warnings=tuple(warnings))
     return _result(bounds, way, limits, course, rate, profile, warnings, found)
@@ -343,7 +343,8 @@ def _fastest(along: Along) -> tuple[Floats, Floats, Floats]:
         if turn == 0 and (free := np.isinf(intervals.p).all(axis=(1, 2))).any():
             what = f"nothing limits the acceleration of what moves {_place(along.path, along.s[int(free.argmax())])}"
             raise InputError(what, remedy="--acceleration A; the description gives no effort, the scene no motor")
-        used, duration = _most_used(along, x), float(_steps(along, x).sum())
+        course = _whole(along, x)
+        used, duration = _most_used(along, course), float(course.time[-1])
         if used.max() <= 1.0 + 100.0 * _ROUNDING and (settled or abs(duration - before) <= _SAME * duration):
             break
         settled, before = settled or abs(duration - before) <= 1e-5 * duration, duration
@@ -361,21 +362,16 @@ def _pass(along: Along, x: Floats, kept: Floats) -> tuple[Intervals, Floats]:
     return intervals, found.x
 
 
-def _steps(along: Along, x: Floats) -> Floats:
-    speed = np.sqrt(x)
-    return np.asarray(2.0 * along.steps / (speed[1:] + speed[:-1]))
+def _whole(along: Along, x: Floats) -> Course:
+    """Return the course of a pass, without waiting."""
+    speed, u = np.sqrt(x), np.diff(x) / (2.0 * along.steps)
+    time = np.concatenate(([0.0], np.cumsum(2.0 * along.steps / (speed[1:] + speed[:-1]))))
+    return Course(time, along.s, speed, np.append(u, 0.0), np.zeros(len(u)), along.piece)
 
 
-def _most_used(along: Along, x: Floats) -> Floats:
+def _most_used(along: Along, course: Course) -> Floats:
     """Return (6, N, n) what is used of each limit at most in each interval, by parabolas between its parts."""
-    u, speed = np.diff(x) / (2.0 * along.steps), np.sqrt(x)
-    part = _inside(speed, FINE)  # of the time in an interval
-    time = part * (2.0 * along.steps / (speed[1:] + speed[:-1]))
-    s = along.s[:-1] + time * (speed[:-1] + 0.5 * u * time)
-    sd = speed[:-1] + part * np.diff(speed)
-    q, first, second, _ = along.path.at(s, np.broadcast_to(along.piece, s.shape))
-    qd, qdd = first * sd[..., None], first * u[:, None] + second * (sd * sd)[..., None]
-    used = along.bounds.uses(q, qd, qdd)[0]
+    used = along.bounds.uses(*course.states(along.path, *course.fine())[:3])[0]
     most = used.max(axis=1)
     near = np.nonzero(most > 0.999)
     left, middle, right = (used[near[0], part : FINE - 1 + part, near[1], near[2]] for part in range(3))
@@ -388,14 +384,10 @@ def _most_used(along: Along, x: Floats) -> Floats:
 
 def _stretches(along: Along, x: Floats) -> list[Course]:
     """Return the courses of a pass from stop to stop."""
-    speed, u = np.sqrt(x), np.diff(x) / (2.0 * along.steps)
-    time, stops = np.concatenate(([0.0], np.cumsum(_steps(along, x)))), np.flatnonzero(along.still)
-    found = []
-    for a, b in pairwise(stops.tolist()):
-        knots, rest = slice(a, b + 1), np.zeros(b - a)
-        found.append(
-            Course(time[knots] - time[a], along.s[knots], speed[knots], np.append(u[a:b], 0.0), rest, along.piece[a:b])
-        )
+    whole, found = _whole(along, x), []
+    for a, b in pairwise(np.flatnonzero(along.still).tolist()):
+        time, s, speed, u = (each[a : b + 1] for each in (whole.time, whole.s, whole.speed, whole.u))
+        found.append(Course(time - time[0], s, speed, u, whole.jerk[a:b], whole.piece[a:b]))
     return found
 
 
@@ -429,35 +421,32 @@ def _slack(used: Floats) -> float:
     return float(most.max())
 
 
-def _settled(bounds: Bounds, path: Path, course: Course, warnings: list[str]) -> Course:
-    """Return the course, slower by what its limits are passed by between points of the grid."""
+def _settled(bounds: Bounds, path: Path, course: Course) -> Course:
+    """Return the course, slower by what its limits are passed by between points of the grid; raise if that does not
+    end."""
     for _ in range(100):
         slack = _slack(_uses(bounds, path, course, *course.fine()))
         if slack <= 1.0 + PASSED / 4.0:
             return course
         course = course.slower(slack * (1.0 + _ROUNDING))
-    warnings.append(f"a limit is passed by {100 * (slack - 1.0):.2g} % between points of the grid: give --grid more")
-    return course
+    what = f"a limit is passed by {100 * (slack - 1.0):.2g} % between points of the grid"
+    raise InputError(what, remedy="--grid of more intervals")
 
 
 def _stuck(along: Along, k: int) -> InfeasibleError:
     """Return why no pass leads through interval k: the joint that cannot stand or creep on the path, if one cannot."""
     bounds, model, path, ends = along.bounds, along.bounds.model, along.path, along.ends
     zero, families = np.zeros_like(ends.q), [EFFORT, MOTOR_TORQUE, GEAR]
-    for verb, slow in (
-        ("stand still", zero),
-        ("creep against friction", np.broadcast_to(SLOWEST * ends.way, zero.shape)),
-    ):
+    creeping = np.broadcast_to(SLOWEST * ends.way, zero.shape)
+    for verb, slow in (("stand still", zero), ("creep against friction", creeping)):
         used, tau = bounds.uses(ends.q, slow, zero)
         used = used[families]
         if used.max() > 1.0:
             which, end, at, i = (int(each) for each in np.unravel_index(int(used.argmax()), used.shape))
             share, needs, unit, s = float(used.max()), abs(float(tau[end, at, i])), _units(model, i)[1], ends.s[end, at]
             what, missing = LIMITS[families[which]], needs - needs / share
-            why = (
-                f"{model.joint_names[i]} needs {needs:.6g} {unit} to {verb} {_place(path, s)}, and its limit of {what} "
-            )
-            why += f"bears {needs / share:.6g} {unit}: {missing:.4g} {unit} are missing"
+            why = f"{model.joint_names[i]} needs {needs:.6g} {unit} to {verb} {_place(path, s)}, and its limit of "
+            why += f"{what} bears {needs / share:.6g} {unit}: {missing:.4g} {unit} are missing"
             return InfeasibleError(why, model, path, s, i, missing, unit)
     which, end, i = (int(each) for each in np.unravel_index(int(used[:, :, k].argmax()), used[:, :, k].shape))
     why = f"no speed keeps all limits {_place(path, along.s[k])}; the nearest to its own is {model.joint_names[i]}, "
@@ -570,7 +559,6 @@ def _result(
         time = np.linspace(0.0, course.time[-1], samples)
         k = course.knot(time)
         q, qd, qdd, _ = course.states(path, time, k)
-        qd[[0, -1]] = 0.0
         used = _uses(bounds, path, course, time, k)
         if (slack := _slack(used)) <= 1.0 + PASSED / 4.0:
             break
