@@ -122,8 +122,8 @@ def _binding_chart(found: Retimed) -> Iterator[doc.Chart]:
     for k, one in enumerate(shown):
         used = found.used[LIMITS.index(one.limit), :, found.model.joint_names.index(one.joint)]
         on = (used >= BINDS) & (used >= most * (1.0 - 1e-9))
-        level = np.where(on, float(len(shown) - k), np.nan)
-        lines[f"{printable(one.joint)}: {one.limit}, {100 * one.share_of_time:.3g} %"] = (found.time, level)
+        time, level = np.where(on, (found.time, np.full(len(on), len(shown) - k)), np.nan)
+        lines[f"{printable(one.joint)}: {one.limit}, {100 * one.share_of_time:.3g} %"] = (time, level)
     if lines:
         alt = f"What binds over time, in the order of its share: {'; '.join(lines)}"
         yield plane_chart(
