@@ -40,6 +40,7 @@ TOPICS = {
     "The commands as functions": (
         "torques",
         "size",
+        "retime",
         "simulate",
         "rollouts",
         "linearize",

@@ -70,6 +70,7 @@ if TYPE_CHECKING:
     from robodyn.simulation.rollouts import rollouts as rollouts
     from robodyn.simulation.simulate import simulate as simulate
     from robodyn.sizing.catalogue import size as size
+    from robodyn.sizing.retime import retime as retime
     from robodyn.solids.mass_properties import mass_properties as mass_properties
     from robodyn.trajectory.read import motion as motion
     from robodyn.trajectory.read import read_motion as read_motion
@@ -114,6 +115,7 @@ _HOMES = {
     "simulation.rollouts": ("rollouts",),
     "simulation.simulate": ("simulate",),
     "sizing.catalogue": ("size",),
+    "sizing.retime": ("retime",),
     "solids.mass_properties": ("mass_properties",),
     "trajectory.read": ("motion", "read_motion"),
 }

@@ -65,8 +65,8 @@ PLANAR = "robots/two_link_planar.urdf robots/two_link_planar_swing_down.toml"
 CALLS: dict[str, str] = {
     # commands and options
     "torqes": "there is no command 'torqes'; did you mean 'torques'? (try: robodyn --help)",
-    "zebra": "there is no command 'zebra'; commands: 'torques', 'simulate', 'inertia', 'check', 'fbd', 'equations', "
-    "'linearize', 'export', ... (20 in all) (try: robodyn --help)",
+    "zebra": "there is no command 'zebra'; commands: 'torques', 'retime', 'size', 'simulate', 'inertia', 'check', "
+    "'fbd', 'equations', ... (21 in all) (try: robodyn --help)",
     "--verson": "no such option '--verson'; did you mean '--version'? (try: robodyn --help)",
     "torques": "missing argument 'URDF' (try: robodyn torques --help)",
     "torques arm.urdf arm.csv --gravty 0,0,0": "no such option '--gravty'; did you mean '--gravity'? (try: robodyn tor",
@@ -135,6 +135,12 @@ CALLS: dict[str, str] = {
     "inertia part.stl --density 1 --mass 2": "both a density and a mass are given (give one of them)",
     "accuracy part.stl --target nan": "invalid value for '--target': nan is no positive finite number",
     "linearize arm.urdf --step 0": "invalid value for '--step': 0 is no positive finite number (try: robodyn linearize",
+    "retime arm.urdf arm.csv --speed fast": "invalid value for '--speed': 'fast' is no share, such as 80% or 0.8",
+    "retime arm.urdf arm.csv --speed 0%": "speed is 0 % (more than 0 %, at most 100 % of the velocity limits)",
+    "retime arm.urdf arm.csv --grid 5": "a grid of 5 intervals (10 to 50000)",
+    "retime arm.urdf arm.csv --acceleration elbo=1": "acceleration: there is no joint 'elbo' (did you mean 'elbow'?)",
+    "retime arm.urdf arm.csv --jerk 1 --profile trapezoid": "a trapezoid has no limit of jerk (--profile scurve)",
+    f"retime robots/crank_slider.urdf arm.csv {PUMP.partition(' ')[2]}": f"robots/crank_slider_pump.toml: {TREES[:22]}",
     "excite arm.urdf --seed -1": "invalid value for '--seed': -1 is less than 0",
     "excite arm.urdf --noise 0": "noise is 0 (it is positive [N m, N])",
     "excite arm.urdf --harmonics 1": "1 harmonics: one cannot begin and end at rest",

@@ -31,6 +31,7 @@ WORKS = (
     "export scara.urdf --to c --what torques,mass_matrix,bias,forward",
     "export scara.urdf --to casadi --out {out}/scara_casadi.py",
     "export scara.urdf --to jax --what forward,regressor --out {out}/scara_jax.py",
+    "retime puma560.urdf puma560_waypoints.csv --grid 100 --out {out}/fast.csv --report {out}/fast.md",
     "excite pendulum.urdf --out {out}/excite.csv --report {out}/excite.md",
     "identify pendulum.urdf {out}/log.csv --out {out}/calibrated.urdf",
     "scene init scara.urdf --out {out}/scene.toml",

@@ -28,6 +28,7 @@ ARGUMENTS = {
     "linearize": ["arm.urdf"],
     "export": ["arm.urdf", "--to", "c"],
     "convert": ["arm.urdf", "--to", "mjcf", "--out", "arm.xml"],
+    "retime": ["arm.urdf", "arm.csv"],
     "excite": ["arm.urdf"],
     "identify": ["arm.urdf", "log.csv"],
     "info": ["arm.urdf"],

@@ -364,6 +364,21 @@ PIECES = {
     ("equations/linearized/test_closed_chains.py", "equations/linearized/linearize.py"): [
         ("np.hstack((-stiffness, -damping, N.T))", "np.hstack((-stiffness, -damping, np.eye(len(N))[: len(M)]))")
     ],
+    ("sizing/test_retime.py", "sizing/reachability.py"): [
+        ("rows.a[1] + 2.0 * steps[:, None] * rows.b[1]", "rows.a[1]"),
+        ("up, level, falls = reach, after * half, half", "up, level, falls = reach, after * half, 0.5 * half"),
+    ],
+    ("sizing/test_retime.py", "sizing/along.py"): [
+        ("with_x - c, c, way", "with_x, c, way"),
+        ("ends.c + rub - slope * near[..., None]", "ends.c + rub"),
+        ("share_kept * level - sign * c_row", "share_kept * level"),
+    ],
+    ("sizing/test_retime.py", "sizing/path.py"): [("-turn / (2.0 * (2.0 * r) ** 3)", "-turn / ((2.0 * r) ** 3)")],
+    ("sizing/test_retime.py", "sizing/retime.py"): [
+        ("first * u + second * sd * sd, first * j", "first * u, first * j"),
+        ("one.averaged(a / j if given", "one.averaged(0.5 * a / j if given"),
+        ("(now - then) / width", "now / width"),
+    ],
 }
 MUTATIONS: dict[str, list[tuple[str, str, str]]] = {}
 """By test file: the file of the product, the piece as it is, and as it must not be."""

@@ -63,7 +63,7 @@ ELSEWHERE = (
 """Tables of a scene that do not say what acts in joints and on links."""
 LONG = (
     *("identify", "feet_on_the_ground", "reports", "many_trajectories", "measured_logs", "export", "first_torques"),
-    *("closed_chains", "uncertainty", "lint_in_ci", "linearize", "excite", "motor_sizing", "weighing_a_part"),
+    *("closed_chains", "uncertainty", "lint_in_ci", "linearize", "excite", "retime", "motor_sizing", "weighing_a_part"),
     *("mass_properties", "check_descriptions", "derivatives", "README", "other_formats", "glance"),
 )
 """Pages whose examples compute for seconds."""
