@@ -67,6 +67,7 @@ if TYPE_CHECKING:
     from robodyn.scene.uncertainty import Uncertainty as Uncertainty
     from robodyn.simulation.rollouts import rollouts as rollouts
     from robodyn.simulation.simulate import simulate as simulate
+    from robodyn.sizing.envelope import envelope as envelope
     from robodyn.solids.mass_properties import mass_properties as mass_properties
     from robodyn.trajectory.read import motion as motion
     from robodyn.trajectory.read import read_motion as read_motion
@@ -110,6 +111,7 @@ _HOMES = {
     "scene.uncertainty": ("Covariance", "Deviation", "LinkUncertainty", "Uncertainty"),
     "simulation.rollouts": ("rollouts",),
     "simulation.simulate": ("simulate",),
+    "sizing.envelope": ("envelope",),
     "solids.mass_properties": ("mass_properties",),
     "trajectory.read": ("motion", "read_motion"),
 }
