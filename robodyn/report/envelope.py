@@ -35,7 +35,9 @@ def envelope_sections(found: Envelope) -> Iterator[doc.Section]:
         rows.append([joint.name, *_load(joint.load, size), _gap(joint.load), *(by or ["-"]), use])
     head = ["joint", "most", "no pose exceeds", "gap", "limit", "use"]
     yield [doc.Table("The most that weight asks of joints", head, rows)]
-    rows = [[joint.name, *(_position(x) for x in joint.load.pose.values())] for joint in found.joints if joint.load.value]
+    rows = [
+        [joint.name, *(_position(x) for x in joint.load.pose.values())] for joint in found.joints if joint.load.value
+    ]
     note = "Joints that do not matter stand where they are nearest to 0."
     yield [doc.Table("In these poses [rad, m]", ["worst of", *found.box], rows, note)] if rows else []
     rows = [

@@ -9,7 +9,7 @@ between the directions of a lattice its values there bound it, within the square
 
 from __future__ import annotations
 
-from functools import cached_property
+from functools import cache, cached_property
 from math import ceil, cos, floor, pi, sin, tan
 from typing import Any, NamedTuple
 
@@ -132,3 +132,9 @@ class Lattice:
             found = upper[:, None] * support[row[:, None], place] + lower[:, None] * support[row[:, None] + 1, place]
             np.maximum(most, found, out=most)
         return most / cos(pi / len(range(0, self.columns, self.columns // count)))
+
+
+@cache
+def lattice(rows: int) -> Lattice:
+    """Return the lattice of so many rows, and twice as many columns."""
+    return Lattice(rows, 2 * rows)

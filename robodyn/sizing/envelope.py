@@ -17,15 +17,15 @@ import numpy as np
 from robodyn.dynamics.effects.forces import acting
 from robodyn.dynamics.plan import plan, ready
 from robodyn.errors import InputError, SceneError
-from robodyn.loads.sizing import allowed, frame, train_of
-from robodyn.programs.vectors import length, product
+from robodyn.loads.sizing import allowed, train_of
+from robodyn.programs.vectors import frame, length, product
 from robodyn.robot.kinematics import configuration
 from robodyn.robot.limits import MOST_EFFORT, coordinate_ranges
 from robodyn.robot.model import Joint, Model
 from robodyn.scene.fit import check_scene, known, refuse_constraints
 from robodyn.scene.scene import DEFAULT, Payload, Scene, Vector
-from robodyn.sizing.directions import Lattice
-from robodyn.sizing.recursion import Key, Pull, Recursion
+from robodyn.sizing.directions import lattice
+from robodyn.sizing.recursion import Key, Pull, Recursion, along_gravity, weight_of
 from robodyn.support.floats import BEYOND, Floats, first_largest
 from robodyn.support.wording import alternatives, shown
 
@@ -221,12 +221,17 @@ def envelope(
         torque, tilting, radial = (found[key] for key in own)
         each.append(JointEnvelope(joint.name, torque, _effort(joint), _motor(joint, scene), tilting, radial))
     limits = {joint.rate: one.limit for joint, one in zip(joints, each, strict=True) if one.limit is not None}
-    notes = ["Friction holds nothing here: at rest it may help or not."] if scene.friction or any(
-        joint.friction for joint in joints) else []
+    notes = (
+        ["Friction holds nothing here: at rest it may help or not."]
+        if scene.friction or any(joint.friction for joint in joints)
+        else []
+    )
     if model.floating:
         notes.append("The base is taken as held, with its z up: what it stands on carries it.")
     if search.others:
-        notes.append("Forces that turn with links or stand across gravity are bounded apart from weight: gaps are wide.")
+        notes.append(
+            "Forces that turn with links or stand across gravity are bounded apart from weight: gaps are wide."
+        )
     return Envelope(
         model,
         scene,
@@ -282,33 +287,6 @@ def ranges(model: Model, scene: Scene, box: Box) -> tuple[Floats, Floats]:
     return low, high
 
 
-def weight_of(model: Model, scene: Scene, payloads: Iterable[Payload] | None = None) -> Pull:
-    """Return what pulls along gravity, or of it payloads alone: bodies, payloads, buoyancy, forces along it."""
-    g = np.array(scene.gravity, dtype=float)
-    size = length(g)
-    direction = g / size if size else np.array([0.0, 0.0, -1.0])
-    whole = payloads is None
-    force = np.array([body.inertia.m * size * whole for body in model.bodies], dtype=float)
-    moment = np.array([np.asarray(body.inertia.mc, float) * size * whole for body in model.bodies])
-    points = [(each.link, each.com, each.mass * size) for each in (scene.payloads if payloads is None else payloads)]
-    if whole:
-        points += [(each.link, each.centre, -scene.fluid_density * each.volume * size) for each in scene.immersed]
-        points += [(each.link, each.point, float(np.dot(each.force, direction)))
-                   for each in acting(scene, "surroundings") if _along(each, direction)]
-    for link, point, pull in points:
-        body, R, p = model.links[link]
-        force[body] += pull
-        moment[body] += pull * (product(np.asarray(R, float), np.array(point, dtype=float)) + np.asarray(p, float))
-    return Pull(direction, force, moment)
-
-
-def _along(wrench: object, direction: Floats) -> bool:
-    """Whether a wrench is a force along gravity, whatever the pose."""
-    force = np.array(wrench.force, dtype=float)  # type: ignore[attr-defined]
-    aside = length(np.cross(force, direction))
-    return wrench.frame != "link" and not any(wrench.moment) and aside <= 1e-15 * length(force)  # type: ignore[attr-defined]
-
-
 def _effort(joint: Joint) -> float | None:
     return joint.effort if joint.effort is not None and 0.0 < joint.effort < MOST_EFFORT else None
 
@@ -335,8 +313,10 @@ class _Search:
         for body in model.bodies[1:]:
             counts[body.joint.coordinate] = counts.get(body.joint.coordinate, 0) + bool(body.joint.multiplier)
         self.shared = [k for k, count in counts.items() if count > 1]
-        self.others = [each for each in acting(scene, "surroundings") if not _along(each, self.pull.direction)]
-        self.axes = [frame(np.asarray(body.joint.axis, float)) if i else np.eye(3) for i, body in enumerate(model.bodies)]
+        self.others = [each for each in acting(scene, "surroundings") if not along_gravity(each, self.pull.direction)]
+        self.axes = [
+            frame(np.asarray(body.joint.axis, float)) if i else np.eye(3) for i, body in enumerate(model.bodies)
+        ]
 
     @cached_property
     def keys(self) -> list[Key]:
@@ -366,8 +346,7 @@ class _Search:
     def recursion(self, rows: int, pull: Pull | None = None, **how: object) -> Recursion:
         low, high = how.pop("low", self.low), how.pop("high", self.high)
         springs = self.springs if pull is None or pull is self.pull else {}
-        lattice = _lattice(rows)
-        return Recursion(self.model, pull or self.pull, low, high, lattice, springs=springs, **how)  # type: ignore[arg-type]
+        return Recursion(self.model, pull or self.pull, low, high, lattice(rows), springs=springs, **how)  # type: ignore[arg-type]
 
     def bounds(self, recursion: Recursion) -> dict[tuple[Key, int], float]:
         """Return bounds of each key and side, with what other forces add."""
@@ -408,7 +387,7 @@ class _Search:
     def poses(self, recursion: Recursion, rows: Sequence[tuple[Key, int]]) -> Floats:
         """Return (rows, nq) the worst poses that are found for keys and sides."""
         own = [(Key(key.what, key.place), side) for key, side in rows]
-        q = recursion.poses(own, self.rest)
+        q, _ = recursion.poses(own, self.rest)
         moved = set(self.shared)
         for joint in self.model.independent:
             if joint.kind != "floating" and (self.others or joint.name in self.springs):
@@ -510,9 +489,13 @@ class _Search:
             force, moment = self.pull.force + more.force, self.pull.moment + more.moment
             springs = {"springs": self.springs}
             pull = Pull(self.pull.direction, force, moment)
-            return Recursion(self.model, pull, self.low, self.high, _lattice(finer), bearings=False, wanted=wanted, **springs)
+            return Recursion(
+                self.model, pull, self.low, self.high, lattice(finer), bearings=False, wanted=wanted, **springs
+            )
 
-        alone = self.recursion(ROWS[0], weight_of(self.model, self.scene, [Payload(link, 1.0, point)]), bearings=False, wanted=wanted)
+        alone = self.recursion(
+            ROWS[0], weight_of(self.model, self.scene, [Payload(link, 1.0, point)]), bearings=False, wanted=wanted
+        )
         _, slope = parts(self.poses(alone, rows))
         bare = np.array([found[key].bound for key, _ in rows])
         with np.errstate(divide="ignore"):
@@ -556,16 +539,11 @@ class _Search:
                 if load.bound and most / load.bound > share:
                     share = most / load.bound
                     joint = names[key.place] if key.what == "torque" else self.model.bodies[key.place].joint.name
-                    of = {"torque": joint, "tipping": "tipping of the base"}.get(key.what, f"{key.what} load of {joint}")
+                    of = {"torque": joint, "tipping": "tipping of the base"}.get(
+                        key.what, f"{key.what} load of {joint}"
+                    )
         return Sampled(count, share, of)
 
 
 def _wrenches(a_plan: object) -> object:
     return a_plan.wrenches(True)  # type: ignore[attr-defined]
-
-
-_lattices: dict[int, Lattice] = {}
-
-
-def _lattice(rows: int) -> Lattice:
-    return _lattices.setdefault(rows, Lattice(rows, 2 * rows))

@@ -12,21 +12,21 @@ Each is a function of one direction, whatever the number of joints, and exact bu
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
-from robodyn.loads.sizing import frame
-from robodyn.programs.vectors import arctan2, length, product
+from robodyn.programs.vectors import arctan2, frame, length, product
 from robodyn.robot.model import Model
+from robodyn.scene.scene import DEFAULT, ExternalWrench, Payload, Scene
 from robodyn.sizing.directions import Lattice, Mix
 from robodyn.support.floats import Floats, first_of_ties
 
 TRIED = 64
 """Turns of a joint that a pose is chosen from."""
-SWEEPS, _GAIN, _NOTHING = 40, 1e-15, 1e-15
+SWEEPS, _NOTHING = 40, 1e-15
 """Times that all joints are given their best position, until that gains no more of the weight at the farthest reach; and
 what counts as nothing."""
 ROUNDING = 1e-10
@@ -40,6 +40,36 @@ class Pull(NamedTuple):
     direction: Floats
     force: Floats
     moment: Floats
+
+
+def weight_of(model: Model, scene: Scene = DEFAULT, payloads: Iterable[Payload] | None = None) -> Pull:
+    """Return what pulls along gravity, or of it payloads alone: bodies, payloads, buoyancy, forces along it."""
+    g = np.array(scene.gravity, dtype=float)
+    size = length(g)
+    direction = g / size if size else np.array([0.0, 0.0, -1.0])
+    whole = payloads is None
+    force = np.array([body.inertia.m * size * whole for body in model.bodies], dtype=float)
+    moment = np.array([np.asarray(body.inertia.mc, float) * size * whole for body in model.bodies])
+    points = [(each.link, each.com, each.mass * size) for each in (scene.payloads if payloads is None else payloads)]
+    if whole:
+        points += [(each.link, each.centre, -scene.fluid_density * each.volume * size) for each in scene.immersed]
+        points += [
+            (each.link, each.point, float(np.dot(each.force, direction)))
+            for each in scene.wrenches
+            if each.cause == "surroundings" and along_gravity(each, direction)
+        ]
+    for link, point, pull in points:
+        body, R, p = model.links[link]
+        force[body] += pull
+        moment[body] += pull * (product(np.asarray(R, float), np.array(point, dtype=float)) + np.asarray(p, float))
+    return Pull(direction, force, moment)
+
+
+def along_gravity(wrench: ExternalWrench, direction: Floats) -> bool:
+    """Whether a wrench is a force along gravity, whatever the pose."""
+    force = np.array(wrench.force, dtype=float)
+    aside = length(np.cross(force, direction))
+    return wrench.frame != "link" and not any(wrench.moment) and aside <= 1e-15 * length(force)
 
 
 class Key(NamedTuple):
@@ -84,7 +114,9 @@ class Recursion:
         self.axes = [frame(np.asarray(body.joint.axis, float)) if i else np.eye(3) for i, body in enumerate(bodies)]
         # of each body, from the axes of its parent to those of its lattice
         self.inwards = [product(turn, body.joint.R.T) for turn, body in zip(self.axes, bodies, strict=True)]
-        self.ends = [sorted(self.position(i, end) for end in (low, high)) if i else [0.0, 0.0] for i in range(len(bodies))]
+        self.ends = [
+            sorted(self.position(i, end) for end in (low, high)) if i else [0.0, 0.0] for i in range(len(bodies))
+        ]
         self._mixes: dict[int, Mix] = {}
         self.support: list[Floats] = [np.empty(0)] * len(bodies)
         self.turned: list[Floats] = list(self.support)
@@ -236,10 +268,11 @@ class Recursion:
                     passed[k] += max(slope * low, slope * high) + start
         return passed
 
-    def poses(self, rows: Sequence[tuple[Key, int]], rest: Floats) -> Floats:
-        """Return (rows, nq) poses of the largest value of each key and side that is found: those of the maxima on the
+    def poses(self, rows: Sequence[tuple[Key, int]], rest: Floats, least: float = 1e-15) -> tuple[Floats, Floats]:
+        """Return (rows, nq) poses of the largest value of each key and side that is found, and these values: those of the maxima on the
         lattice, then of each joint in turn its best position, where `a + b cos q + c sin q` has it, until that gains
-        nothing. Coordinates that do not matter are at `rest`, those that several joints share where one is best."""
+        no more than `least` of all weight. Coordinates that do not matter are at `rest`, those that several joints share
+        where one is best."""
         state = _Rows(self, rows, np.tile(rest, (len(rows), 1)))
         chosen = np.zeros(state.q.shape, dtype=bool)
         places = [self.kept(*row) for row in rows]
@@ -272,9 +305,11 @@ class Recursion:
         state.outward(by_lattice, tilts=True)
         for _ in range(SWEEPS):
             state.inward()
-            if state.outward(state.best) <= _GAIN:
+            if state.outward(state.best) <= least:
                 break
-        return state.q
+        state.inward()
+        state.outward(lambda *_: None)
+        return state.q, state.values
 
     @property
     def base(self) -> Key:
@@ -306,6 +341,9 @@ class _Rows:
     moment of what that carries, g against gravity or along it, by the side, e its axis or across it. In the turn of a
     joint above, this is g . v with v = e x h; below, w . h with w = g x e. All are in the axes of lattices."""
 
+    values: Floats
+    """(rows,) of torques, at the positions before the last of `outward`."""
+
     def __init__(self, of: Recursion, rows: Sequence[tuple[Key, int]], q: Floats) -> None:
         self.of, self.rows, self.q = of, rows, q
         self.g = np.array([[-side] for _, side in rows]).T * of.pull.direction[:, None]
@@ -323,8 +361,10 @@ class _Rows:
     def inward(self) -> None:
         """Find h and v of all bodies in all rows."""
         of, bodies, count = self.of, self.of.model.bodies, len(self.rows)
-        self.h = [np.repeat(product(turn, moment)[:, None], count, axis=1)
-                  for turn, moment in zip(of.axes, of.pull.moment, strict=True)]
+        self.h = [
+            np.repeat(product(turn, moment)[:, None], count, axis=1)
+            for turn, moment in zip(of.axes, of.pull.moment, strict=True)
+        ]
         self.v = [np.zeros((3, count)) for _ in bodies]
         for i in reversed(range(len(bodies))):
             joint, h, v = bodies[i].joint, self.h[i], self.v[i]
@@ -352,7 +392,7 @@ class _Rows:
     def outward(self, choose: Callable[[int, Floats, Floats], object], tilts: bool = False) -> float:
         """Let each joint in turn `choose` its position, given g and w in its axes before its turn; return the largest
         gain, as a share of its row's amplitude."""
-        of, model, gain = self.of, self.of.model, 0.0
+        of, model, gain, self.values = self.of, self.of.model, 0.0, np.zeros(len(self.rows))
         g, w = [self.g], [self.w]
         self._across(0, self.g, self.w)
         for i in range(1, len(model.bodies)):
@@ -362,8 +402,12 @@ class _Rows:
             if joint.kind == "revolute":
                 here_g, here_w = (_turned(each, self.position(i)) for each in (here_g, here_w))
             for k in self.about[i]:
-                if self.rows[k][0].what == "torque" and joint.kind == "revolute":
-                    here_w[:, k] += np.cross(here_g[:, k], (0.0, 0.0, joint.multiplier))
+                if self.rows[k][0].what == "torque":
+                    own = np.cross(here_g[:, k], (0.0, 0.0, joint.multiplier))
+                    slides = joint.kind == "prismatic"
+                    here_w[:, k] += 0.0 if slides else own
+                    asked = joint.multiplier * of.carried[i] * here_g[2, k] if slides else own @ self.h[i][:, k]
+                    self.values[k] += asked
             self._across(i, here_g, here_w, tilts)
             g.append(product(of.axes[i].T, here_g))
             w.append(product(of.axes[i].T, here_w))
