@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from math import inf
 
 import numpy as np
 
@@ -17,8 +18,8 @@ from robodyn.support.wording import count, shown
 _PICTURED = 12
 """Joints whose worst poses a page shows, those that use most of their limits."""
 _GRID = 41
-_LEVELS = ((0.25, "good"), (0.5, "c2"), (0.75, "c3"), (1.0, "doubtful"), (float("inf"), "bad"))
-"""Shares of a limit, and the colours of a map up to each."""
+_COLOURS = ("c2", "c6", "c3", "doubtful")
+"""Of a map, for each quarter of the worst torque."""
 Size = dict[str, float]
 
 
@@ -170,33 +171,37 @@ def _bars(found: Envelope) -> list[doc.Block]:
 
 
 def _maps(found: Envelope, joints: list[JointEnvelope]) -> Iterator[doc.Block]:
-    """Yield, for each joint, its use over the two coordinates that change it most, the others in its worst pose."""
+    """Yield, for each joint, its torque over the two coordinates that change it most, the others in its worst pose."""
     charts = []
+    units = {one.name: "m" if one.load.unit == "N" else "rad" for one in found.joints}
     for joint in joints:
-        names, far = [*found.box], []
+        names, at, worst = [*found.box], joint.load.pose, abs(joint.load.value)
+        far: list[float] = []
+        dots: dict[str, tuple[Floats, Floats]] = {}
         for name, (low, high) in found.box.items():
-            values = _torques(found, joint, {name: np.linspace(low, high, _GRID)})
-            far.append(float(np.ptp(np.abs(values))))
-        order = ranked(range(len(names)), key=lambda k: far[k])
-        a, b = (names[k] for k in sorted(order[:2])) if len(names) > 1 else (names[0], names[0])
+            far.append(float(np.ptp(np.abs(_torques(found, joint, {name: np.linspace(low, high, _GRID)})))))
+        order = ranked(range(len(names)), key=lambda k: far[k])[:2]
+        a, b = (names[k] for k in sorted(order if len(order) > 1 else order * 2))
         x, y = (each.ravel() for each in np.meshgrid(*(np.linspace(*found.box[name], _GRID) for name in (a, b))))
-        share = np.abs(_torques(found, joint, {a: x, b: y})) / (joint.limit or joint.load.bound)
-        dots, colours, least = {}, {}, 0.0
-        for most, colour in _LEVELS:
-            label = f"{100 * least:.0f} to {100 * most:.0f} %" if most < 2.0 else "beyond 100 %"
-            inside = (share >= least) & (share < most)
-            if inside.any():
-                dots[label], colours[label] = (x[inside], y[inside]), colour
-            least = most
-        at = joint.load.pose
-        of = "limit" if joint.limit else "most"
-        what = f"{printable(joint.name)}: share of its {of} over {printable(a)} and {printable(b)}"
+        torque = np.abs(_torques(found, joint, {a: x, b: y}))
+        limit, colours = joint.limit or inf, dict[str, str]()
+        for k, colour in enumerate(_COLOURS):
+            low, high = 0.25 * k * worst, 0.25 * (k + 1) * worst
+            for inside, label, its in (
+                ((torque <= limit), f"to {number(high)} {joint.load.unit}", colour),
+                ((torque > limit), "beyond the limit", "bad"),
+            ):
+                chosen = inside & (torque >= low) & (torque < high if k < len(_COLOURS) - 1 else torque >= low)
+                if chosen.any():
+                    before = dots.get(label, (x[:0], y[:0]))
+                    dots[label] = np.append(before[0], x[chosen]), np.append(before[1], y[chosen])
+                    colours[label] = its
+        what = f"{printable(joint.name)} over {printable(a)} and {printable(b)}"
         more = "; the others as in its worst pose" if len(names) > 2 else ""
-        units = {one.name: "m" if one.load.unit == "N" else "rad" for one in found.joints}
-        worst = f"worst: {number(joint.load.value)} {joint.load.unit}"
-        alt = f"{what}; {worst} at {_position(at[a])}, {_position(at[b])}"
+        said = f"worst: {number(joint.load.value)} {joint.load.unit}"
+        alt = f"{what}; {said} at {_position(at[a])}, {_position(at[b])}"
         labels = (f"{printable(name)} [{units[name]}]" for name in (a, b))
-        marks = [(at[a], at[b], worst, "ink")]
+        marks = [(at[a], at[b], said, "ink")]
         charts.append(plane_chart(what + more, alt, *labels, dots=dots, colours=colours, marks=marks))
     yield from doc.titled("Where it is heavy", doc.gallery(charts))
 
@@ -220,15 +225,15 @@ def envelope_json(found: Envelope) -> str:
     joints = [
         doc.select(
             joint,
-            f"name torque:load.value bound:load.bound gap:load.gap unit:load.unit pose:load.pose effort_limit motor_limit "
-            f"limit use? tilting {load} radial {load}",
+            "name torque:load.value bound:load.bound gap:load.gap? unit:load.unit pose:load.pose "
+            f"effort_limit motor_limit limit use? tilting {load} radial {load}",
         )
         for joint in found.joints
     ]
     return doc.written(
         doc.select(
             found,
-            f"robot gravity:scene.gravity joints base box payload samples [count share of] exceeded unlimited notes",
+            "robot gravity:scene.gravity joints base box payload samples [count share of] exceeded unlimited notes",
             joints=joints,
             base=doc.select(found, f"tipping {load} weight"),
             payload=None

@@ -1,9 +1,9 @@
 """Convex functions of a direction, bounded from above on a lattice: the arithmetic of `envelope`.
 
-The weight of what a joint carries turns it by `tau = w . h`: h the first moment of what it carries, w gravity across its
-axis. What h can be is a set, and the most that w . h can be is a function of w alone: the set's support function, which
-is convex, and grows with the length of w. Every joint on the way is a maximum over its turns, which leaves it so. Of
-such a function (Rockafellar 1970, section 13) `f(x) <= sum c_k f(x_k)` where `x = sum c_k x_k` with no c_k negative:
+The weight of what a joint carries turns it by `tau = w . h`: h the first moment of what it carries, w gravity across
+its axis. What h can be is a set, and the most that w . h can be is a function of w alone: the set's support function,
+which is convex, and grows with the length of w. Every joint on the way is a maximum over its turns, which leaves it so.
+Of such a function (Rockafellar 1970, section 13) `f(x) <= sum c_k f(x_k)` where `x = sum c_k x_k` with no c_k negative:
 between the directions of a lattice its values there bound it, within the square of their distance.
 """
 
@@ -47,7 +47,7 @@ class Lattice:
 
     @cached_property
     def sine(self) -> Floats:
-        return np.sin(self.polar * np.arange(self.rows + 1))[:, None]
+        return np.asarray(np.sin(self.polar * np.arange(self.rows + 1))[:, None])
 
     def mix(self, w: Floats) -> Mix:
         """Return the corners of the cells, planar trapezoids, through which vectors w (3, N) point, with their shares
@@ -76,7 +76,7 @@ class Lattice:
 
     def opposite(self, values: Floats) -> Floats:
         """Return the functions of the opposite directions."""
-        return np.roll(values[..., ::-1, :], self.columns // 2, axis=-1)
+        return np.asarray(np.roll(values[..., ::-1, :], self.columns // 2, axis=-1))
 
     def turned(self, values: Floats, low: float, high: float, slope: float = 0.0, start: float = 0.0) -> Floats:
         """Return bounds of the largest value over turns of the lattice about z by an angle q from low to high [rad],
@@ -114,7 +114,7 @@ class Lattice:
 
     def across(self, support: Floats) -> Floats:
         """Return the most that `(h x g) . z` can be, of directions g, where `support` is that of h."""
-        return self.sine * np.roll(support[self.rows // 2], self.columns // 4)
+        return np.asarray(self.sine * np.roll(support[self.rows // 2], self.columns // 4))
 
     def tilting(self, support: Floats) -> Floats:
         """Return the most that the part of `h x g` across z can be in length: `max |h_z g_xy - g_z h_xy|`, by the

@@ -7,9 +7,10 @@ across gravity, are bounded apart from it, and the two bounds added.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import pairwise
 from math import inf, isfinite, pi
 
 import numpy as np
@@ -27,7 +28,7 @@ from robodyn.scene.scene import DEFAULT, Payload, Scene, Vector
 from robodyn.sizing.directions import lattice
 from robodyn.sizing.recursion import Key, Pull, Recursion, along_gravity, weight_of
 from robodyn.support.floats import BEYOND, Floats, first_largest
-from robodyn.support.wording import alternatives, shown
+from robodyn.support.wording import shown
 
 TARGET = 0.005
 """The gap between bound and pose at which the lattice is fine enough."""
@@ -100,7 +101,7 @@ class PayloadLimit:
     """The largest mass at a point of a link that every pose bears.
 
     Attributes:
-        mass: with which the limit is reached in a pose [kg]; 0 if it is passed without; None if no limit is ever reached.
+        mass: with which the limit is reached in a pose [kg]; 0 if it is passed without; None if none ever is.
         certified: with which no pose passes a limit, by the bounds [kg].
         joint, pose, torque, limit: where it is reached.
     """
@@ -197,8 +198,8 @@ def envelope(
         InputError: no joint moves, a slide has no limits, a box is outside the limits, or a joint or link is unknown.
         SceneError: loops, contacts, joints that do not drive, wrenches by columns, or a fluid that streams.
 
-    Accuracy: `value` is that of `inverse_dynamics` at rest in `pose`. No pose exceeds `bound`, of which the gap is below
-        1 % for arms of up to 7 joints.
+    Accuracy: `value` is that of `inverse_dynamics` at rest in `pose`. No pose exceeds `bound`; its gap is below 1 % for
+        arms of up to 7 joints.
     """
     check_scene(scene, model)
     refuse_constraints(scene)
@@ -251,39 +252,31 @@ def ranges(model: Model, scene: Scene, box: Box) -> tuple[Floats, Floats]:
     round one turn. InputError where there is none, or no end."""
     low, high = coordinate_ranges(model)
     names = {joint.name: joint for joint in model.independent if joint.kind != "floating"}
+    for joint in names.values():
+        if joint.continuous:
+            low[joint.coordinate], high[joint.coordinate] = -inf, inf
     for name, (least, largest) in box.items():
         known("--box", "joint", name, names)
-        k = names[name].coordinate
+        k, said = names[name].coordinate, f"--box {name}: {least:g}..{largest:g} is"
         if not (isfinite(least) and isfinite(largest) and least <= largest):
-            raise InputError(f"--box {name}: {least:g}..{largest:g} is no range", remedy="write least..largest")
-        if names[name].continuous:
-            low[k], high[k] = -inf, inf
+            raise InputError(f"{said} no range", remedy="write least..largest")
         if largest < low[k] or least > high[k]:
-            what = f"--box {name}: {least:g}..{largest:g} is outside the limits {low[k]:g}..{high[k]:g}"
-            raise InputError(what, remedy="widen it, or the limits")
+            raise InputError(f"{said} outside the limits {low[k]:g}..{high[k]:g}", remedy="widen it, or the limits")
         low[k], high[k] = max(low[k], least), min(high[k], largest)
     for joint in names.values():
         k = joint.coordinate
-        if joint.continuous and joint.name not in box:
-            low[k], high[k] = -inf, inf
         if low[k] > high[k]:
             what = f"the limits of {shown(joint.name)}, with those of joints that follow, leave no position"
             raise InputError(what, remedy="lower is below upper", file=model.file)
-        if joint.kind == "prismatic":
-            if max(-low[k], high[k]) > _FARTHEST:
-                what = f"the slide {shown(joint.name)} has no limits, so that nothing bounds its levers"
-                raise InputError(what, remedy=f"--box {joint.name}=0..1, in m", file=model.file)
-            continue
+        if joint.kind == "prismatic" and max(-low[k], high[k]) > _FARTHEST:
+            what = f"the slide {shown(joint.name)} has no limits, so that nothing bounds its levers"
+            raise InputError(what, remedy=f"--box {joint.name}=0..1, in m", file=model.file)
         alone = sum(body.joint.coordinate == k for body in model.bodies[1:]) == 1 and joint.name not in scene.spring
-        if not high[k] - low[k] < 2.0 * pi and (alone or not high[k] - low[k] < 100.0 * pi):
-            if low[k] <= -pi and high[k] >= pi:
-                low[k], high[k] = -pi, pi
-            elif isfinite(low[k]):
-                high[k] = low[k] + 2.0 * pi
-            else:
-                low[k] = high[k] - 2.0 * pi
+        if joint.kind == "revolute" and not high[k] - low[k] < (2.0 if alone else 100.0) * pi:
+            middle = 0.0 if low[k] <= -pi and high[k] >= pi else low[k] + pi if isfinite(low[k]) else high[k] - pi
+            low[k], high[k] = middle - pi, middle + pi
     for _, k in model.quaternions:
-        low[k - 3 : k + 4] = high[k - 3 : k + 4] = (0.0,) * 6 + (1.0,)
+        low[k - 3 : k + 4] = high[k - 3 : k + 4] = (*(0.0,) * 6, 1.0)
     return low, high
 
 
@@ -365,23 +358,14 @@ class _Search:
             body, R, p = self.model.links[wrench.link]
             f, n = (np.array(each, dtype=float) for each in (wrench.force, wrench.moment))
             size, force = length(f), np.zeros(len(self.model.bodies))
-            force[body] = size or 1.0
+            force[body] = size
             moment = force[:, None] * (product(np.asarray(R, float), np.array(wrench.point, dtype=float)) + p)
             steady = wrench.frame != "link" and size > 0.0
             one = self.recursion(ROWS[0], Pull(f / size if steady else self.pull.direction, force, moment))
             for (key, side), most in one.most.items():
-                plain, joint = Key(key.what, key.place), self.model.bodies[key.place].joint
-                if not steady and size:  # whatever its direction: the farthest that its point can be
-                    if key.what == "torque":
-                        moved = [i for i, each in enumerate(self.model.bodies) if i and each.joint.rate == key.place]
-                        most = sum(abs(self.model.bodies[i].joint.multiplier) * one.farthest(i) for i in moved)
-                    elif key.what == "radial":
-                        most = one.carried[key.place]
-                    else:
-                        most = one.farthest(key.place)
-                most = most if size else 0.0
-                turns = key.what != "radial" and (key.what != "torque" or joint is not None)
-                found[plain, side] = found.get((plain, side), 0.0) + most + turns * length(n)
+                plain = Key(key.what, key.place)
+                added = (most if steady else one.anyway(plain)) + (key.what != "radial") * one.share(plain) * length(n)
+                found[plain, side] = found.get((plain, side), 0.0) + added
         return found
 
     def poses(self, recursion: Recursion, rows: Sequence[tuple[Key, int]]) -> Floats:
@@ -449,7 +433,7 @@ class _Search:
     def _split(self, bounds: dict[tuple[Key, int], float], k: int, wanted: frozenset[Key]) -> None:
         """Lower bounds where joints move together, by a bound for each piece of their range."""
         ends, most = np.linspace(self.low[k], self.high[k], _PIECES + 1), dict[tuple[Key, int], float]()
-        for piece in zip(ends[:-1], ends[1:], strict=True):
+        for piece in pairwise(ends):
             low, high = self.low.copy(), self.high.copy()
             low[k], high[k] = piece
             one = self.bounds(self.recursion(ROWS[1], wanted=wanted, low=low, high=high))

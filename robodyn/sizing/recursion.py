@@ -27,8 +27,7 @@ from robodyn.support.floats import Floats, first_of_ties
 TRIED = 64
 """Turns of a joint that a pose is chosen from."""
 SWEEPS, _NOTHING = 40, 1e-15
-"""Times that all joints are given their best position, until that gains no more of the weight at the farthest reach; and
-what counts as nothing."""
+"""Times that all joints are given their best position, at most; and of all weight what counts as nothing."""
 ROUNDING = 1e-10
 """Of the weight at the farthest reach: more than the rounding of all sums of a bound."""
 
@@ -228,17 +227,33 @@ class Recursion:
     def _asked(self, what: str, place: int) -> bool:
         return self.wanted is None or Key(what, place) in self.wanted
 
+    def share(self, key: Key) -> float:
+        """Return how much of the moments at joints counts for a key."""
+        joints = [body.joint for body in self.model.bodies[1:] if body.joint.rate == key.place]
+        turns = sum(abs(joint.multiplier) for joint in joints if joint.kind == "revolute")
+        return turns if key.what == "torque" else 1.0
+
+    def anyway(self, key: Key) -> float:
+        """Return the most that a key can have from this pull, whatever its direction."""
+        bodies = self.model.bodies
+        if key.what == "radial":
+            return float(self.carried[key.place])
+        if key.what == "torque":
+            joints = [(i, body.joint) for i, body in enumerate(bodies) if i and body.joint.rate == key.place]
+            ways = [self.carried[i] if joint.kind == "prismatic" else self.farthest(i) for i, joint in joints]
+            return float(sum(abs(joint.multiplier) * way for (_, joint), way in zip(joints, ways, strict=True)))
+        return self.farthest(key.place)
+
     def farthest(self, i: int) -> float:
-        """Return the most that the moment of a pull in any direction can be about the origin of body i [N m]."""
+        """Return the most that the moment of the pull can be about the origin of body i, in any direction [N m]."""
         if i:
             return float(self.support[i].max()) * (1.0 + self.lattice.bulge) ** 2
-        outer = [k for k, parent in enumerate(self.model.parents) if parent == 0]
-        own = length(self.pull.moment[0])
-        return own + sum(abs(self.carried[k]) * length(self.model.bodies[k].joint.p) + self.slid(k) for k in outer)
-
-    def slid(self, i: int) -> float:
-        slides = self.model.bodies[i].joint.kind == "prismatic"
-        return self.farthest(i) + slides * abs(self.carried[i]) * max(map(abs, self.ends[i]))
+        found = length(self.pull.moment[0])
+        for k, body in enumerate(self.model.bodies):
+            if body.parent == 0:
+                slides = max(map(abs, self.ends[k])) if body.joint.kind == "prismatic" else 0.0
+                found += self.farthest(k) + abs(float(self.carried[k])) * (length(body.joint.p) + slides)
+        return found
 
     def sides(self, rate: int) -> tuple[int, ...]:
         """Return the sides of a torque that are functions of their own: those of gravity mirror each other."""
@@ -269,10 +284,10 @@ class Recursion:
         return passed
 
     def poses(self, rows: Sequence[tuple[Key, int]], rest: Floats, least: float = 1e-15) -> tuple[Floats, Floats]:
-        """Return (rows, nq) poses of the largest value of each key and side that is found, and these values: those of the maxima on the
-        lattice, then of each joint in turn its best position, where `a + b cos q + c sin q` has it, until that gains
-        no more than `least` of all weight. Coordinates that do not matter are at `rest`, those that several joints share
-        where one is best."""
+        """Return (rows, nq) poses of the largest value of each key and side that is found, and these values: those of
+        the maxima on the lattice, then of each joint in turn its best position, where `a + b cos q + c sin q` has it,
+        until that gains no more than `least` of all weight. Coordinates that do not matter are at `rest`, those that
+        several joints share where one is best."""
         state = _Rows(self, rows, np.tile(rest, (len(rows), 1)))
         chosen = np.zeros(state.q.shape, dtype=bool)
         places = [self.kept(*row) for row in rows]
@@ -389,7 +404,7 @@ class _Rows:
         joint = self.of.model.bodies[i].joint
         return np.asarray(joint.multiplier * self.q[:, joint.coordinate] + joint.offset)
 
-    def outward(self, choose: Callable[[int, Floats, Floats], object], tilts: bool = False) -> float:
+    def outward(self, choose: Callable[[int, Floats, Floats], float | None], tilts: bool = False) -> float:
         """Let each joint in turn `choose` its position, given g and w in its axes before its turn; return the largest
         gain, as a share of its row's amplitude."""
         of, model, gain, self.values = self.of, self.of.model, 0.0, np.zeros(len(self.rows))
@@ -398,7 +413,7 @@ class _Rows:
         for i in range(1, len(model.bodies)):
             joint, parent = model.bodies[i].joint, model.parents[i]
             here_g, here_w = (product(of.inwards[i], each[parent]) for each in (g, w))
-            gain = max(gain, float(choose(i, here_g, here_w) or 0.0))
+            gain = max(gain, choose(i, here_g, here_w) or 0.0)
             if joint.kind == "revolute":
                 here_g, here_w = (_turned(each, self.position(i)) for each in (here_g, here_w))
             for k in self.about[i]:
