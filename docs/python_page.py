@@ -41,6 +41,7 @@ TOPICS = {
         "torques",
         "simulate",
         "rollouts",
+        "envelope",
         "linearize",
         "view",
         "export",

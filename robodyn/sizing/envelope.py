@@ -376,7 +376,7 @@ class _Search:
         for joint in self.model.independent:
             if joint.kind != "floating" and (self.others or joint.name in self.springs):
                 moved.add(joint.coordinate)
-        for _ in range(3 if moved else 0):  # what has no closed form
+        for _ in range(2 if moved else 0):  # what has no closed form
             for k in sorted(moved):
                 self._improve(rows, q, k)
         return q
@@ -384,8 +384,8 @@ class _Search:
     def _improve(self, rows: Sequence[tuple[Key, int]], q: Floats, k: int) -> None:
         """Give one coordinate its best value among some, then among some near that, in all rows."""
         wide = self.high[k] - self.low[k]
-        for step in (wide / 32, wide / 512, wide / 8192):
-            tried = np.clip(q[:, k, None] + step * np.arange(-32, 33), self.low[k], self.high[k])
+        for step in (wide / 16, wide / 128, wide / 1024, wide / 8192):
+            tried = np.clip(q[:, k, None] + step * np.arange(-16, 17), self.low[k], self.high[k])
             tried[:, 0] = q[:, k]
             many = np.repeat(q, tried.shape[1], axis=0)
             many[:, k] = tried.ravel()
@@ -408,13 +408,16 @@ class _Search:
             most = {key: max(bounds[key, side] for k in best[key] for side in [rows[k][1]]) for key in self.keys}
             return {key for key in self.keys if most[key] > max(values[at[key]] * (1 + TARGET), _NOISE * first.scale)}
 
-        lattices = [rows for rows in ROWS[1:] if first.size * (rows / ROWS[0]) ** 2 <= _MOST]
-        for finer in lattices:
-            if wanted := still_open():
-                self._lower(bounds, self.bounds(self.recursion(finer, wanted=frozenset(wanted))))
-        if self.shared and (wanted := still_open()):
-            for k in self.shared:
-                self._split(bounds, k, frozenset(wanted))
+        for finer in ROWS[1:]:
+            wanted, before = still_open(), dict(bounds)
+            if not wanted or first.size * (finer / ROWS[0]) ** 2 > _MOST:
+                break
+            self._lower(bounds, self.bounds(self.recursion(finer, wanted=frozenset(wanted))))
+            if all(bounds[row] > (1.0 - 0.2 * TARGET) * before[row] for row in rows if row[0] in wanted):
+                break
+        torques = frozenset(key for key in still_open() if key.what == "torque" and not self.others)
+        for k in self.shared if torques else ():
+            self._split(bounds, k, torques)
         found = {}
         for key in self.keys:
             k, most = at[key], max(bounds[key, rows[j][1]] for j in best[key])

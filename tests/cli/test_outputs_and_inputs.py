@@ -25,6 +25,7 @@ ARGUMENTS = {
     "check": ["arm.urdf"],
     "fbd": ["arm.urdf"],
     "equations": ["arm.urdf"],
+    "envelope": ["arm.urdf"],
     "linearize": ["arm.urdf"],
     "export": ["arm.urdf", "--to", "c"],
     "convert": ["arm.urdf", "--to", "mjcf", "--out", "arm.xml"],
@@ -45,6 +46,7 @@ READ = {
     "--baseline": "base.json",
     "--validate": "log.csv",
     "--map": "map.toml",
+    "--box": "box.toml",
 }
 BESIDE = {"fbd": {"--traj": ["--time", "0"]}}
 """What else an option asks for."""

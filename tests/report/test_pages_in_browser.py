@@ -40,6 +40,7 @@ CALLS = MOTIONS | {
     "check": "check puma560.urdf",
     "simulate": "simulate two_link_planar.urdf --scene two_link_planar_swing_down.toml --duration 0.2",
     "linearize": "linearize two_link_planar.urdf --equilibrium",
+    "envelope": "envelope puma560.urdf",
     "excite": "excite pendulum.urdf",
     "identify": "identify tx40.urdf log.parquet --cutoff 40",
     "accuracy": "accuracy meshes/bracket.stl --target 1e-6",

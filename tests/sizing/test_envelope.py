@@ -84,9 +84,10 @@ def test_planar_arm_has_its_closed_form(
 
 
 def test_a_support_function_is_bounded_from_above_on_the_lattice() -> None:
-    """Largest of w . h over a few points h; between directions, over turns, across an axis and tilted."""
+    """Largest of w . h over points h of an ellipsoid; between directions, over turns, across an axis and tilted."""
     random, lattice = np.random.default_rng(3), Lattice(24, 48)
-    h = random.normal(size=(3, 5))
+    h = random.normal(size=(3, 600))
+    h = np.array([[0.7], [0.3], [0.5]]) * h / np.linalg.norm(h, axis=0) + np.array([[0.2], [-0.4], [0.3]])
 
     def largest(w: Floats) -> Floats:
         return (h.T @ w).max(axis=0)
@@ -167,9 +168,7 @@ def hold(found: Envelope) -> None:
         assert (np.array([*one.load.pose.values()]) <= high + 1e-12).all()
 
 
-@pytest.mark.parametrize(
-    "seeds", [range(12), pytest.param(range(12, 200), marks=pytest.mark.slow)], ids=["few", "many"]
-)
+@pytest.mark.parametrize("seeds", [range(8), pytest.param(range(8, 60), marks=pytest.mark.slow)], ids=["few", "many"])
 def test_drawn_trees_exceed_no_bound(seeds: range) -> None:
     """Hinges, slides, branches, any gravity; half of them with springs, wrenches and a joint that mimics."""
     for seed in seeds:

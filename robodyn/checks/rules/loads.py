@@ -24,7 +24,7 @@ ROWS = 24  # of the lattice
 MOST_BODIES = 150
 """Of larger robots the poses are not looked at: the work grows with the square of the number, or faster."""
 GRAVITY = 9.81
-_GAIN = 1e-12  # of a round in which all joints take their best positions: the last one, as a share of the weight
+_GAIN = 1e-8  # of a round in which all joints take their best positions: the last one, as a share of the weight
 _LEAST_LEVER = 0.05
 _WORTH = 1e-2  # s; damping that is slower than this on the body's own inertia is of no interest
 
@@ -172,7 +172,7 @@ def static_torque(context: Context) -> Faults:
 
     The torque of gravity about each joint at rest, the root standing still with z up, in the worst pose within the
     position limits; a joint without limits turns all the way round. What is reported is reached in the pose that is
-    named; a worse one may exist. Less than twice the limit is a remark: springs that hold a part of the weight are no
+    named; `robodyn envelope` bounds what any other asks for. Less than twice the limit is a remark: springs that hold a part of the weight are no
     part of URDF, and no robot has to hold still in every pose. Loads, motion and friction come on top: robodyn torques
     computes them. Silent where a part is detached (RD111)."""
     silent = bool(context.once(detached)) or context.once(other_unit) is not None
