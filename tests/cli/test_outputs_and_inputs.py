@@ -104,6 +104,7 @@ def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     Path("scene.toml").write_text("gravity = [0, 0, -9.81]\n")
     Path("settings.toml").write_text("[tool.robodyn.check]\nignore = []\n")
     Path("robodyn.toml").write_text("[tool.robodyn.check]\nignore = []\n")
+    Path("box.toml").write_text("elbow = [0.0, 0.5]\n")
     Path("map.toml").write_text('q_elbow = "q_elbow"\n')
     Path("base.json").write_text('{"robodyn_baseline": 1, "findings": []}')
 

@@ -335,6 +335,17 @@ PIECES = {
     ("equations/linearized/test_closed_chains.py", "equations/linearized/linearize.py"): [
         ("np.hstack((-stiffness, -damping, N.T))", "np.hstack((-stiffness, -damping, np.eye(len(N))[: len(M)]))")
     ],
+    ("sizing/test_envelope.py", "sizing/directions.py"): [
+        ("most + self.bulge * (np.maximum(most, 0.0) + np.maximum(back, 0.0))", "most"),
+        ("moved + max(first + second - 1.0, 0.0) * back", "moved"),
+        ("self.columns // 4)", "0)"),
+        ("0.5 + 0.5 * np.tan(aside)", "0.5 + 0.4 * np.tan(aside)"),
+    ],
+    ("sizing/test_envelope.py", "sizing/recursion.py"): [
+        ("lattice.opposite(one) if joint.multiplier < 0.0 else one", "one"),
+        ("found = weight * product(joint.p, w) + ", "found = "),
+        ("value - self.added.get(key, 0.0) + margin", "value + margin"),
+    ],
 }
 MUTATIONS: dict[str, list[tuple[str, str, str]]] = {}
 """By test file: the file of the product, the piece as it is, and as it must not be."""

@@ -172,9 +172,9 @@ def static_torque(context: Context) -> Faults:
 
     The torque of gravity about each joint at rest, the root standing still with z up, in the worst pose within the
     position limits; a joint without limits turns all the way round. What is reported is reached in the pose that is
-    named; `robodyn envelope` bounds what any other asks for. Less than twice the limit is a remark: springs that hold a part of the weight are no
-    part of URDF, and no robot has to hold still in every pose. Loads, motion and friction come on top: robodyn torques
-    computes them. Silent where a part is detached (RD111)."""
+    named; `robodyn envelope` bounds what any other asks for. Less than twice the limit is a remark: springs that hold a
+    part of the weight are no part of URDF, and no robot has to hold still in every pose. Loads, motion and friction
+    come on top: robodyn torques computes them. Silent where a part is detached (RD111)."""
     silent = bool(context.once(detached)) or context.once(other_unit) is not None
     for joint, torque, q in [] if silent else static_torques(context):
         limit = context.view.joint[joint.name].limit
