@@ -338,12 +338,12 @@ PIECES = {
     ("sizing/test_envelope.py", "sizing/directions.py"): [
         ("most + self.bulge * (np.maximum(most, 0.0) + np.maximum(back, 0.0))", "most"),
         ("moved + max(first + second - 1.0, 0.0) * back", "moved"),
-        ("self.columns // 4)", "0)"),
-        ("0.5 + 0.5 * np.tan(aside)", "0.5 + 0.4 * np.tan(aside)"),
+        ("np.roll(support[self.rows // 2], self.columns // 4)", "support[self.rows // 2]"),
+        ("0.5 * np.tan(aside) / tan(self.step / 2.0)", "0.4 * np.tan(aside) / tan(self.step / 2.0)"),
     ],
     ("sizing/test_envelope.py", "sizing/recursion.py"): [
         ("lattice.opposite(one) if joint.multiplier < 0.0 else one", "one"),
-        ("found = weight * product(joint.p, w) + ", "found = "),
+        ("weight * product(joint.p, w) + self.lattice.at(self.turned[i], mix)", "self.lattice.at(self.turned[i], mix)"),
         ("value - self.added.get(key, 0.0) + margin", "value + margin"),
     ],
 }

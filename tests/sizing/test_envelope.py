@@ -168,7 +168,7 @@ def hold(found: Envelope) -> None:
         assert (np.array([*one.load.pose.values()]) <= high + 1e-12).all()
 
 
-@pytest.mark.parametrize("seeds", [range(8), pytest.param(range(8, 60), marks=pytest.mark.slow)], ids=["few", "many"])
+@pytest.mark.parametrize("seeds", [range(4), pytest.param(range(4, 50), marks=pytest.mark.slow)], ids=["few", "many"])
 def test_drawn_trees_exceed_no_bound(seeds: range) -> None:
     """Hinges, slides, branches, any gravity; half of them with springs, wrenches and a joint that mimics."""
     for seed in seeds:
@@ -233,6 +233,7 @@ def test_an_arm_like_openarm_carries_what_its_makers_measured() -> None:
     """27 N m hold 1.6 kg at full reach. Published (github.com/enactic/openarm, issues 87 and 91) are that, and that 3.5 kg
     there take 40 N m; links of 0.3 m and 0.4 m are of its size, their masses such that 40 N m hold 3.5 kg."""
     reach, upper = 0.7, (2.5, 0.2)
+    bent = 'lower="0" upper="2" effort="27"'
     fore = 2.0, (40.0 / G - 3.5 * reach - upper[0] * upper[1]) / 2.0 - 0.3
 
     def arm(effort: float) -> robodyn.Model:
@@ -240,15 +241,7 @@ def test_an_arm_like_openarm_carries_what_its_makers_measured() -> None:
             f'<robot name="arm"><link name="base"/>{link("upper", upper[0], f"{upper[1]} 0 0")}'
             + link("fore", fore[0], f"{fore[1]} 0 0")
             + joint("shoulder", "revolute", "base", "upper", "", "0 1 0", f'lower="-2" upper="2" effort="{effort}"')
-            + joint(
-                "elbow",
-                "revolute",
-                "upper",
-                "fore",
-                '<origin xyz="0.3 0 0"/>',
-                "0 1 0",
-                'lower="0" upper="2" effort="27"',
-            )
+            + joint("elbow", "revolute", "upper", "fore", '<origin xyz="0.3 0 0"/>', "0 1 0", bent)
             + "</robot>"
         )
 
