@@ -362,9 +362,15 @@ class _Search:
             moment = force[:, None] * (product(np.asarray(R, float), np.array(wrench.point, dtype=float)) + p)
             steady = wrench.frame != "link" and size > 0.0
             one = self.recursion(ROWS[0], Pull(f / size if steady else self.pull.direction, force, moment))
+            far = [one.scale, *(each.max() * (1.0 + one.lattice.bulge) ** 2 for each in one.support[1:])]
             for (key, side), most in one.most.items():
-                plain = Key(key.what, key.place)
-                added = (most if steady else one.anyway(plain)) + (key.what != "radial") * one.share(plain) * length(n)
+                plain, joints = Key(key.what, key.place), [(1.0, key.place, key.what == "radial")]
+                if key.what == "torque":
+                    own = [(i, body.joint) for i, body in enumerate(self.model.bodies) if i]
+                    own = [(i, joint) for i, joint in own if joint.rate == key.place]
+                    joints = [(abs(joint.multiplier), i, joint.kind == "prismatic") for i, joint in own]
+                anyway = sum(ratio * float(one.carried[i] if straight else far[i]) for ratio, i, straight in joints)
+                added = (most if steady else anyway) + length(n) * sum(x for x, _, straight in joints if not straight)
                 found[plain, side] = found.get((plain, side), 0.0) + added
         return found
 

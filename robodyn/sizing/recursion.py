@@ -227,34 +227,6 @@ class Recursion:
     def _asked(self, what: str, place: int) -> bool:
         return self.wanted is None or Key(what, place) in self.wanted
 
-    def share(self, key: Key) -> float:
-        """Return how much of the moments at joints counts for a key."""
-        joints = [body.joint for body in self.model.bodies[1:] if body.joint.rate == key.place]
-        turns = sum(abs(joint.multiplier) for joint in joints if joint.kind == "revolute")
-        return turns if key.what == "torque" else 1.0
-
-    def anyway(self, key: Key) -> float:
-        """Return the most that a key can have from this pull, whatever its direction."""
-        bodies = self.model.bodies
-        if key.what == "radial":
-            return float(self.carried[key.place])
-        if key.what == "torque":
-            joints = [(i, body.joint) for i, body in enumerate(bodies) if i and body.joint.rate == key.place]
-            ways = [self.carried[i] if joint.kind == "prismatic" else self.farthest(i) for i, joint in joints]
-            return float(sum(abs(joint.multiplier) * way for (_, joint), way in zip(joints, ways, strict=True)))
-        return self.farthest(key.place)
-
-    def farthest(self, i: int) -> float:
-        """Return the most that the moment of the pull can be about the origin of body i, in any direction [N m]."""
-        if i:
-            return float(self.support[i].max()) * (1.0 + self.lattice.bulge) ** 2
-        found = length(self.pull.moment[0])
-        for k, body in enumerate(self.model.bodies):
-            if body.parent == 0:
-                slides = max(map(abs, self.ends[k])) if body.joint.kind == "prismatic" else 0.0
-                found += self.farthest(k) + abs(float(self.carried[k])) * (length(body.joint.p) + slides)
-        return found
-
     def sides(self, rate: int) -> tuple[int, ...]:
         """Return the sides of a torque that are functions of their own: those of gravity mirror each other."""
         joints = [body.joint for body in self.model.bodies[1:] if body.joint.rate == rate]

@@ -230,8 +230,8 @@ def test_what_can_be_carried_meets_the_limit_by_pinocchio() -> None:
 
 
 def test_an_arm_like_openarm_carries_what_its_makers_measured() -> None:
-    """27 N m hold 1.6 kg at full reach. Published (github.com/enactic/openarm, issues 87 and 91) are that, and that 3.5 kg
-    there take 40 N m; links of 0.3 m and 0.4 m are of its size, their masses such that 40 N m hold 3.5 kg."""
+    """27 N m hold 1.6 kg at full reach. Published (github.com/enactic/openarm, issues 87 and 91) are that, and that
+    3.5 kg there take 40 N m; links of 0.3 m and 0.4 m are of its size, their masses such that 40 N m hold 3.5 kg."""
     reach, upper = 0.7, (2.5, 0.2)
     bent = 'lower="0" upper="2" effort="27"'
     fore = 2.0, (40.0 / G - 3.5 * reach - upper[0] * upper[1]) / 2.0 - 0.3
@@ -250,6 +250,20 @@ def test_an_arm_like_openarm_carries_what_its_makers_measured() -> None:
         assert one is not None
         assert (one.joint, one.mass) == ("shoulder", pytest.approx(mass, rel=margin))
         assert max(map(abs, one.pose.values())) <= 1e-6
+
+
+def test_a_joint_that_turns_the_other_way_takes_of_the_torque() -> None:
+    """Two pendulums, the second at -q: A cos q - B cos q, bounded where both stand alike."""
+    limit = 'lower="-1" upper="1" effort="30"'
+    model = built(
+        f'<robot name="pair"><link name="base"/>{link("left", 2.0, "0.5 0 0")}{link("right", 1.0, "0.4 0 0")}'
+        + joint("one", "revolute", "base", "left", "", "0 -1 0", limit)
+        + joint("two", "revolute", "base", "right", "", "0 -1 0", limit, '<mimic joint="one" multiplier="-1"/>')
+        + "</robot>"
+    )
+    (found,) = envelope(model).joints
+    assert found.load.value == pytest.approx(G * (1.0 - 0.4), rel=1e-6)
+    assert abs(found.load.value) <= found.load.bound <= 1.02 * found.load.value
 
 
 def test_box_motor_spring_and_base_count() -> None:
