@@ -35,6 +35,8 @@ TARGET = 0.005
 ROWS = (48, 96, 192)
 _MOST = 1.5e8
 """Values on all lattices of a recursion, from which on the lattice is not made finer."""
+_LARGEST = 3e8
+"""Values on the first lattices, beyond which memory may not suffice."""
 _PIECES = 32
 """Of the range of a coordinate that several joints follow, each with a bound of its own."""
 _FARTHEST = 1e3
@@ -213,6 +215,11 @@ def envelope(
     joints = [joint for joint in model.independent if joint.kind != "floating"]
     if not joints:
         raise InputError("no joint moves", remedy="envelope is about joints that hold weight", file=model.file)
+    depth = [0] * len(model.bodies)
+    for i, body in enumerate(model.bodies[1:], start=1):
+        depth[i] = depth[body.parent] + 1
+    if 3 * sum(depth) * lattice(ROWS[0]).sine.size * 2 * ROWS[0] > _LARGEST:
+        raise InputError("there are too many joints in a row", remedy="up to 200 are looked at", file=model.file)
     search = _Search(model, replace(scene, limit_spring=None), *ranges(model, scene, box or {}))
     bearing = {body.joint.name: i for i, body in enumerate(model.bodies)}
     found = search.loads()

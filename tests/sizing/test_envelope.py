@@ -23,8 +23,8 @@ from robodyn.support.floats import Floats
 ROOT = Path(__file__).parents[2]
 G = 9.81
 ARMS = ("panda", "ur5_robot", "ur10_robot", "ur3_robot", "kinova", "xarm7", "z1", "so100", "talos_left_arm")
-OTHERS = ("allegro_left_hand", "hyq_no_sensors", "anymal", "solo12", "go2", "bolt", "finger_edu", "baxter")
-REAL = (*ARMS, *OTHERS, "talos_reduced", "g1_29dof_rev_1_0", "tiago_no_hand")
+OTHERS = ("allegro_left_hand", "hyq_no_sensors", "anymal", "solo12", "go2", "bolt", "finger_edu", "b1", "a1", "laikago")
+REAL = (*ARMS, *OTHERS, "hextilt_flying_arm_5")
 
 
 def built(text: str) -> robodyn.Model:
@@ -168,7 +168,7 @@ def hold(found: Envelope) -> None:
         assert (np.array([*one.load.pose.values()]) <= high + 1e-12).all()
 
 
-@pytest.mark.parametrize("seeds", [range(4), pytest.param(range(4, 50), marks=pytest.mark.slow)], ids=["few", "many"])
+@pytest.mark.parametrize("seeds", [range(4), pytest.param(range(4, 20), marks=pytest.mark.slow)], ids=["few", "many"])
 def test_drawn_trees_exceed_no_bound(seeds: range) -> None:
     """Hinges, slides, branches, any gravity; half of them with springs, wrenches and a joint that mimics."""
     for seed in seeds:
@@ -193,7 +193,7 @@ def test_random_poses_of_real_robots_exceed_no_bound(stem: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("stem", REAL)
 def test_a_million_random_poses_of_real_robots_exceed_no_bound(stem: str) -> None:
-    found = envelope(load(path_of(stem)), samples=1_000_000 if stem in (*ARMS, *OTHERS) else 200_000)
+    found = envelope(load(path_of(stem)), samples=1_000_000)
     hold(found)
     assert found.gap <= 0.01
     assert all(max(one.tilting.gap, one.radial.gap) <= 0.01 for one in found.joints)
