@@ -24,10 +24,10 @@ from robodyn.scene.scene import DEFAULT, ExternalWrench, Payload, Scene
 from robodyn.sizing.directions import Lattice, Mix
 from robodyn.support.floats import Floats, first_of_ties
 
-TRIED = 64
+TRIED = 32
 """Turns of a joint that a pose is chosen from."""
-SWEEPS, _NOTHING = 40, 1e-15
-"""Times that all joints are given their best position, at most; and of all weight what counts as nothing."""
+_CONVERGED = _NOTHING = 1e-15
+"""Of all weight at its farthest reach, what is no gain, and what is nothing."""
 ROUNDING = 1e-10
 """Of the weight at the farthest reach: more than the rounding of all sums of a bound."""
 
@@ -255,10 +255,10 @@ class Recursion:
                     passed[k] += max(slope * low, slope * high) + start
         return passed
 
-    def poses(self, rows: Sequence[tuple[Key, int]], rest: Floats, least: float = 1e-15) -> tuple[Floats, Floats]:
+    def poses(self, rows: Sequence[tuple[Key, int]], rest: Floats, sweeps: int = 40) -> tuple[Floats, Floats]:
         """Return (rows, nq) poses of the largest value of each key and side that is found, and these values: those of
         the maxima on the lattice, then of each joint in turn its best position, where `a + b cos q + c sin q` has it,
-        until that gains no more than `least` of all weight. Coordinates that do not matter are at `rest`, those that
+        until that gains nothing, `sweeps` times at most. Coordinates that do not matter are at `rest`, those that
         several joints share where one is best."""
         state = _Rows(self, rows, np.tile(rest, (len(rows), 1)))
         chosen = np.zeros(state.q.shape, dtype=bool)
@@ -290,9 +290,9 @@ class Recursion:
             chosen[free, joint.coordinate] = True
 
         state.outward(by_lattice, tilts=True)
-        for _ in range(SWEEPS):
+        for _ in range(sweeps):
             state.inward()
-            if state.outward(state.best) <= least:
+            if state.outward(state.best) <= _CONVERGED:
                 break
         state.inward()
         state.outward(lambda *_: None)

@@ -20,11 +20,11 @@ from robodyn.sizing.recursion import Key, Recursion, weight_of
 from robodyn.support.floats import Floats, first_largest
 from robodyn.support.wording import figure
 
-ROWS = 24  # of the lattice
+ROWS = 16  # of the lattice
 MOST_BODIES = 150
 """Of larger robots the poses are not looked at: the work grows with the square of the number, or faster."""
 GRAVITY = 9.81
-_GAIN = 1e-8  # of a round in which all joints take their best positions: the last one, as a share of the weight
+_SWEEPS = 6  # in which each joint is given its best position
 _LEAST_LEVER = 0.05
 _WORTH = 1e-2  # s; damping that is slower than this on the body's own inertia is of no interest
 
@@ -61,7 +61,7 @@ def static_torques(context: Context) -> list[tuple[Joint, float, Floats]]:
     rows = [(Key("torque", joint.rate), side) for joint in joints for side in (1, -1)]
     if not rows:
         return []
-    q, values = recursion.poses(rows, np.clip(np.zeros(model.n), low, high), _GAIN)
+    q, values = recursion.poses(rows, np.clip(np.zeros(model.n), low, high), _SWEEPS)
     found = []
     for k, joint in enumerate(joints):
         worst = 2 * k + first_largest(values[2 * k : 2 * k + 2])
