@@ -18,7 +18,7 @@ from robodyn.support.wording import count, shown
 _PICTURED = 12
 """Joints whose worst poses a page shows, those that use most of their limits."""
 _GRID = 41
-_COLOURS = ("c2", "c6", "c3", "doubtful")
+_COLOURS = ("c1", "c3", "c2", "c6")
 """Of a map, for each quarter of the worst torque."""
 Size = dict[str, float]
 

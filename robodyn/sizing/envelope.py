@@ -502,6 +502,7 @@ class _Search:
             mass = float(np.min(np.where(slope > _NOISE * alone.scale, (most + bare) / slope, inf), initial=inf))
         if not isfinite(mass):
             return PayloadLimit(link, point, None, None)
+        mass *= 1.001  # so that some pose allows less
         for _ in range(30):
             recursion = pulled(mass)
             q = self.poses(recursion, rows)
