@@ -221,6 +221,8 @@ def envelope(
     if 3 * sum(depth) * lattice(ROWS[0]).sine.size * 2 * ROWS[0] > _LARGEST:
         raise InputError("there are too many joints in a row", remedy="up to 200 are looked at", file=model.file)
     search = _Search(model, replace(scene, limit_spring=None), *ranges(model, scene, box or {}))
+    if not np.isfinite(search.pull.force.sum() + search.pull.moment.sum()):
+        raise InputError("weights are too large to be added up", remedy="check gravity and masses", file=model.file)
     bearing = {body.joint.name: i for i, body in enumerate(model.bodies)}
     found = search.loads()
     each = []

@@ -26,7 +26,7 @@ from robodyn.support.floats import Floats, first_of_ties
 
 TRIED = 32
 """Turns of a joint that a pose is chosen from."""
-_CONVERGED = _NOTHING = 1e-15
+_CONVERGED = _NOTHING = 1e-14
 """Of all weight at its farthest reach, what is no gain, and what is nothing."""
 ROUNDING = 1e-10
 """Of the weight at the farthest reach: more than the rounding of all sums of a bound."""
