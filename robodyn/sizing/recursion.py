@@ -259,7 +259,7 @@ class Recursion:
         """Return (rows, nq) poses of the largest value of each key and side that is found, and these values: those of
         the maxima on the lattice, then of each joint in turn its best position, where `a + b cos q + c sin q` has it,
         until that gains nothing, `sweeps` times at most. Coordinates that do not matter are at `rest`, those that
-        several joints share where one is best."""
+        several joints share where it is best for one, or at an end or in the middle."""
         state = _Rows(self, rows, np.tile(rest, (len(rows), 1)))
         chosen = np.zeros(state.q.shape, dtype=bool)
         places = [self.kept(*row) for row in rows]
@@ -290,13 +290,18 @@ class Recursion:
             chosen[free, joint.coordinate] = True
 
         state.outward(by_lattice, tilts=True)
+        owners = [body.joint.coordinate for body in self.model.bodies[1:] if body.joint.kind != "floating"]
+        if shared := sorted({k for k in owners if owners.count(k) > 1}):
+            tried = [state.q.copy() for _ in range(4)]
+            for q, part in zip(tried[1:], (0.0, 0.5, 1.0), strict=True):
+                q[:, shared] = (self.low + part * (self.high - self.low))[shared]
+            which = first_of_ties(np.array([state.asked(q) for q in tried]).T)
+            state.q = np.array(tried)[which, np.arange(len(rows))]
         for _ in range(sweeps):
             state.inward()
             if state.outward(state.best) <= _CONVERGED:
                 break
-        state.inward()
-        state.outward(lambda *_: None)
-        return state.q, state.values
+        return state.q, state.asked(state.q)
 
     @property
     def base(self) -> Key:
@@ -329,7 +334,7 @@ class _Rows:
     joint above, this is g . v with v = e x h; below, w . h with w = g x e. All are in the axes of lattices."""
 
     values: Floats
-    """(rows,) of torques, at the positions before the last of `outward`."""
+    """(rows,) of torques, before the last of `outward`."""
 
     def __init__(self, of: Recursion, rows: Sequence[tuple[Key, int]], q: Floats) -> None:
         self.of, self.rows, self.q = of, rows, q
@@ -371,6 +376,13 @@ class _Rows:
                 h = h + of.carried[i] * np.array([0.0, 0.0, 1.0])[:, None] * position
             self.h[parent] += product(back, h) + moment
             self.v[parent] += product(back, v)
+
+    def asked(self, q: Floats) -> Floats:
+        """Return (rows,) the torques in poses q, which are taken."""
+        self.q = q
+        self.inward()
+        self.outward(lambda *_: None)
+        return self.values
 
     def position(self, i: int) -> Floats:
         joint = self.of.model.bodies[i].joint
