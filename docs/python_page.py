@@ -43,6 +43,7 @@ TOPICS = {
         "retime",
         "simulate",
         "rollouts",
+        "envelope",
         "linearize",
         "view",
         "export",

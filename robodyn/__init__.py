@@ -70,6 +70,7 @@ if TYPE_CHECKING:
     from robodyn.simulation.rollouts import rollouts as rollouts
     from robodyn.simulation.simulate import simulate as simulate
     from robodyn.sizing.catalogue import size as size
+    from robodyn.sizing.envelope import envelope as envelope
     from robodyn.sizing.retime import retime as retime
     from robodyn.solids.mass_properties import mass_properties as mass_properties
     from robodyn.trajectory.read import motion as motion
@@ -116,6 +117,7 @@ _HOMES = {
     "simulation.simulate": ("simulate",),
     "sizing.catalogue": ("size",),
     "sizing.retime": ("retime",),
+    "sizing.envelope": ("envelope",),
     "solids.mass_properties": ("mass_properties",),
     "trajectory.read": ("motion", "read_motion"),
 }

@@ -28,7 +28,7 @@ from robodyn.loads.result import (
 from robodyn.loads.statistics import Extremes, Greatest, Integrals, ShaftFigures
 from robodyn.loads.temperature import Heat, HeatPass
 from robodyn.programs.run.runner import Runner
-from robodyn.programs.vectors import length, product
+from robodyn.programs.vectors import frame, product
 from robodyn.robot.model import Joint, Model
 from robodyn.scene.scene import Curve, GearLife, Motor, Scene
 from robodyn.support.floats import BEYOND, LARGEST, Floats, steady
@@ -236,20 +236,6 @@ class BearingPass:
             u, v, axis = ((float(x) + 0.0, float(y) + 0.0, float(z) + 0.0) for x, y, z in turn)
             loads.append(BearingLoad(joint.name, joint.kind, (u, v, axis), tuple(parts[:5]), parts[5], parts[6]))
         return tuple(loads)
-
-
-def frame(axis: Floats) -> Floats:
-    """Return (3, 3) rows u, v and the axis, right-handed. u and v are the coordinate axes that follow the axis in x, y,
-    z, x if it is along one of them (-v if it is against it); otherwise u is at right angles to the axis and to the
-    coordinate axis that it is furthest from."""
-    along = np.abs(axis)
-    if along.max() == 1.0:
-        k = int(along.argmax())
-        u = np.roll(np.eye(3)[k], 1)
-    else:
-        u = np.cross(axis, np.eye(3)[int(along.argmin())])
-        u /= length(u)
-    return np.array([u, np.cross(axis, u), axis])
 
 
 class SizingPass:

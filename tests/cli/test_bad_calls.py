@@ -65,8 +65,8 @@ PLANAR = "robots/two_link_planar.urdf robots/two_link_planar_swing_down.toml"
 CALLS: dict[str, str] = {
     # commands and options
     "torqes": "there is no command 'torqes'; did you mean 'torques'? (try: robodyn --help)",
-    "zebra": "there is no command 'zebra'; commands: 'torques', 'retime', 'size', 'simulate', 'inertia', 'check', "
-    "'fbd', 'equations', ... (21 in all) (try: robodyn --help)",
+    "zebra": "there is no command 'zebra'; commands: 'torques', 'retime', 'envelope', 'size', 'simulate', 'inertia', "
+    "'check', 'fbd', ... (22 in all) (try: robodyn --help)",
     "--verson": "no such option '--verson'; did you mean '--version'? (try: robodyn --help)",
     "torques": "missing argument 'URDF' (try: robodyn torques --help)",
     "torques arm.urdf arm.csv --gravty 0,0,0": "no such option '--gravty'; did you mean '--gravity'? (try: robodyn tor",
@@ -134,6 +134,10 @@ CALLS: dict[str, str] = {
     "inertia part.stl --shell inf": "a thickness of inf m is not positive and finite",
     "inertia part.stl --density 1 --mass 2": "both a density and a mass are given (give one of them)",
     "accuracy part.stl --target nan": "invalid value for '--target': nan is no positive finite number",
+    "envelope arm.urdf --payload tool@1,2": "invalid value for '--payload': 'tool@1,2' is not LINK or LINK@X,Y,Z",
+    "envelope arm.urdf --box elbow=1..x": "invalid value for '--box': elbow=1..x: elbow=1..x is no range, such as",
+    "envelope arm.urdf --box no.toml": "invalid value for '--box': 'no.toml' is not JOINT=LEAST..LARGEST, nor a file",
+    "envelope arm.urdf --payload a --payload b": "--payload looks for one mass; give the others as LINK=KG",
     "linearize arm.urdf --step 0": "invalid value for '--step': 0 is no positive finite number (try: robodyn linearize",
     "retime arm.urdf arm.csv --speed fast": "invalid value for '--speed': 'fast' is no share, such as 80% or 0.8",
     "retime arm.urdf arm.csv --speed 0%": "speed is 0 % (more than 0 %, at most 100 % of the velocity limits)",

@@ -25,6 +25,7 @@ ARGUMENTS = {
     "check": ["arm.urdf"],
     "fbd": ["arm.urdf"],
     "equations": ["arm.urdf"],
+    "envelope": ["arm.urdf"],
     "linearize": ["arm.urdf"],
     "export": ["arm.urdf", "--to", "c"],
     "convert": ["arm.urdf", "--to", "mjcf", "--out", "arm.xml"],
@@ -49,6 +50,7 @@ READ = {
     "--map": "map.toml",
     "--catalog": "motors.csv",
     "--gears": "gears.csv",
+    "--box": "box.toml",
 }
 BESIDE = {"fbd": {"--traj": ["--time", "0"]}}
 """What else an option asks for."""
@@ -110,6 +112,7 @@ def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     Path("scene.toml").write_text("gravity = [0, 0, -9.81]\n")
     Path("settings.toml").write_text("[tool.robodyn.check]\nignore = []\n")
     Path("robodyn.toml").write_text("[tool.robodyn.check]\nignore = []\n")
+    Path("box.toml").write_text("elbow = [0.0, 0.5]\n")
     Path("map.toml").write_text('q_elbow = "q_elbow"\n')
     Path("base.json").write_text('{"robodyn_baseline": 1, "findings": []}')
 

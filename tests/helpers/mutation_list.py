@@ -379,6 +379,17 @@ PIECES = {
         ("one.averaged(a / j if given", "one.averaged(0.5 * a / j if given"),
         ("(now - then) / width", "now / width"),
     ],
+    ("sizing/test_envelope.py", "sizing/directions.py"): [
+        ("most + self.bulge * (np.maximum(most, 0.0) + np.maximum(back, 0.0))", "most"),
+        ("moved + max(first + second - 1.0, 0.0) * back", "moved"),
+        ("np.roll(support[self.rows // 2], self.columns // 4)", "support[self.rows // 2]"),
+        ("0.5 * np.tan(aside) / tan(self.step / 2.0)", "0.4 * np.tan(aside) / tan(self.step / 2.0)"),
+    ],
+    ("sizing/test_envelope.py", "sizing/recursion.py"): [
+        ("lattice.opposite(one) if joint.multiplier < 0.0 else one", "one"),
+        ("weight * product(joint.p, w) + self.lattice.at(self.turned[i], mix)", "self.lattice.at(self.turned[i], mix)"),
+        ("value - self.added.get(key, 0.0) + margin", "value + margin"),
+    ],
 }
 MUTATIONS: dict[str, list[tuple[str, str, str]]] = {}
 """By test file: the file of the product, the piece as it is, and as it must not be."""

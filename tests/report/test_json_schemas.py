@@ -31,6 +31,7 @@ COMMANDS = (
     ("equations_closed", "equations robots/two_link_planar.urdf --form closed"),
     ("equations_dae", "equations robots/gripper.urdf --form dae"),
     ("linearize", "linearize robots/two_link_planar.urdf --equilibrium"),
+    ("envelope", "envelope robots/puma560.urdf --payload flange --samples 100"),
 )
 
 SLOW = (

@@ -42,6 +42,7 @@ CALLS = MOTIONS | {
     "simulate": "simulate two_link_planar.urdf --scene two_link_planar_swing_down.toml --duration 0.2",
     "linearize": "linearize two_link_planar.urdf --equilibrium",
     "retime": "retime puma560.urdf puma560_waypoints.csv --scene puma560_sizing.toml",
+    "envelope": "envelope puma560.urdf",
     "excite": "excite pendulum.urdf",
     "identify": "identify tx40.urdf log.parquet --cutoff 40",
     "accuracy": "accuracy meshes/bracket.stl --target 1e-6",
