@@ -375,7 +375,7 @@ PIECES = {
     ],
     ("sizing/test_retime.py", "sizing/path.py"): [("-turn / (2.0 * (2.0 * r) ** 3)", "-turn / ((2.0 * r) ** 3)")],
     ("sizing/test_retime.py", "sizing/retime.py"): [
-        ("first * u + second * sd * sd, first * j", "first * u, first * j"),
+        ("first * u + second * sd * sd", "first * u"),
         ("one.averaged(a / j if given", "one.averaged(0.5 * a / j if given"),
         ("(now - then) / width", "now / width"),
     ],
