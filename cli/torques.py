@@ -114,19 +114,14 @@ def command(
         (posed and call.at is None, f"{posed} goes with --at"),
         (not posed and not trajectories, "Missing argument 'TRAJECTORY...', or --at for one pose."),
     )
+    loads: dict[str, Any] = {"momentum": None, "sizing": sizing or None, "reactions": reactions}
+    loads |= {"explain": explain, "executor": call.executor, "threads": call.threads}
     if posed:
         along: dict[str, object] = {"measured": measured, "cutoff": cutoff, "accuracy": call.accuracy, "out": call.out}
         along |= {"example": example, "jobs": jobs, "dask": dask, call.reading_given[2:]: call.reading_given}
         along |= {"momentum": momentum, "about": about, "frame": frame}
-        refuse_where(
-            *((value, f"--{name} is for trajectories, and --at is of one pose") for name, value in along.items())
-        )
-        loads: dict[str, Any] = {
-            "sizing": sizing or None,
-            "reactions": reactions,
-            "explain": explain,
-            "executor": call.executor,
-        }
+        why = "is for trajectories, and --at is of one pose"
+        refuse_where(*((value, f"--{name} {why}") for name, value in along.items()))
         return _posed(call, urdf, qdd, loads)
     if measured:
         others: dict[str, object] = {"fail-on-limits": call.fail_on_limits, "out": call.out, "reactions": reactions}
@@ -160,8 +155,6 @@ def command(
         (not many and jobs is not None, "--jobs goes with many trajectories: give several, or --out FOLDER/"),
         (not many and dask is not None, "--dask goes with many trajectories: give several, or --out FOLDER/"),
     )
-    loads = {"momentum": None, "sizing": sizing or None, "reactions": reactions}
-    loads |= {"explain": explain, "executor": call.executor, "threads": call.threads}
     if momentum:
         from robodyn.dynamics.momenta import GROUND, View
 
@@ -187,7 +180,7 @@ def _posed(call: Call, urdf: str, qdd: Any, loads: dict[str, Any]) -> int:
     model, scene = robot_in_scene(call, urdf, loops=True, contacts=True)
     state, columns = pose(model, call.at, call.qd or (), qdd or (), scene), []
     sinks = [lambda _, values: columns.append(values[0])]
-    result = torques(model, state, scene, sinks=sinks, history=call.pictured, threads=call.threads, **loads)
+    result = torques(model, state, scene, sinks=sinks, history=call.pictured, **loads)
     names = output_names(model, loads["reactions"], scene=scene)
     sections = list(pose_sections(result, names, columns[0], loads["explain"]))
     page, last = partial(torques_page, result, model, scene, pose=sections), verdict_section(result)

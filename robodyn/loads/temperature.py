@@ -5,19 +5,18 @@ winding. Between two rows T^2 is held at its mean, so that its integral is that 
 is exact: the exponential of each interval's matrix, intervals composed to the map of the motion, whose fixed point is
 the periodic steady state. Where k depends on temperature Newton's method on the whole course meets the loss.
 
-Accuracy: 1e-9 of the analytic solution with constant coefficients (a test); motions of more than `MOST` rows are kept
-as pairs, fours ... of intervals, each with its integral of T^2.
+Accuracy: 1e-9 of the analytic solution with constant coefficients (a test). Motions of more than `MOST` rows are kept
+as pairs, fours ... of intervals, each with its integral of T^2; long intervals, as pauses are, are cut into parts.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import ceil, isqrt, log, log1p
+from math import isqrt
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.errors import SceneError
 from robodyn.scene.scene import Thermal
@@ -25,7 +24,9 @@ from robodyn.support.floats import Floats, first_largest
 
 MOST = 1 << 17
 """Intervals that are kept of a motion, at most."""
-_SHOWN, _CYCLES = 2000, 150
+_FINE, _PARTS = 0.1, 4096
+"""An interval is parted where it is longer than this share of a winding's time constant; so many more at most."""
+_SHOWN = 2000
 """Points of a page's curves, at most."""
 _NEWTON = 60
 _SCALE, _MELTED = 500.0, 1e9
@@ -79,24 +80,23 @@ class Bus:
 
 
 class HeatCourse(NamedTuple):
-    """What a page shows of one motor: over time (B,) winding and housing (B, 2), once and repeated for ever, and its
-    copper loss, least and greatest in each bucket; over the time since the start (C,) the greatest of cycles (C, 2), by
-    the map of one, which with a torque constant that depends on temperature is that near the steady state."""
+    """What a page shows of one motor: the winding (B,) repeated for ever, if that is steady; and over the time since
+    the start (C,) the greatest of winding and housing in a cycle (C, 2). That is by the map of one cycle, which with a
+    torque constant that depends on temperature is that near the steady state."""
 
     name: str
-    time: Floats
-    once: Floats | None
-    steady: Floats | None
-    copper: tuple[Floats, Floats]
+    winding: Floats | None
     begins: Floats
     hottest: Floats
 
 
 class Heat(NamedTuple):
-    """Results of motors, by their place, and of the bus; for pages courses of motors, and the bus's power."""
+    """Results of motors, by their place, and of the bus; for pages time (B,), courses of motors, and the bus's power,
+    least and greatest until the next time."""
 
     motors: dict[int, MotorHeat]
     bus: Bus
+    time: Floats
     courses: list[HeatCourse]
     power: tuple[Floats, Floats]
 
@@ -129,6 +129,9 @@ class HeatPass:
         """Return what motors of these names get to, and their courses if a page shows them."""
         still, last, k = not self._kept, self._last[:, 0], len(self.places)
         whole = np.append(1.0, last[1:])[:, None] if still else np.hstack(self._kept)  # a pose is held for ever
+        quickest = min(each.winding_housing * each.winding_capacity for each in self.thermals.values())
+        parts = np.ceil(whole[0] / max(_FINE * quickest, float(np.sum(whole[0])) / _PARTS)).astype(int)
+        whole = np.repeat(whole / parts, parts, axis=1)
         steps, means = 0.0 * whole[0] if still else whole[0], whole[1:] / whole[0]
         time, total = self.start + np.append(0.0, np.cumsum(steps)), float(np.sum(steps))
         shown = np.unique(np.linspace(0, len(steps) - 1, _SHOWN).astype(int))
@@ -149,22 +152,17 @@ class HeatPass:
             reached = *_greatest(thermal, once, time), *_greatest(thermal, steady, time)
             motors[place] = MotorHeat(*given, *reached, float(np.sum(copper * steps)), *_energies(power, steps))
             if history and not still:
-                over = [None if x is None else thermal.ambient + x[shown] for x in (once, steady)]
+                winding = None if steady is None else thermal.ambient + steady[shown, 0]
                 cycles, hottest = _over_cycles(maps, cold)
-                parts = _bands(copper, shown), cycles * total, thermal.ambient + hottest
-                courses.append(HeatCourse(names[place], time[shown], over[0], over[1], *parts))
+                courses.append(HeatCourse(names[place], winding, cycles * total, thermal.ambient + hottest))
         if not np.isfinite(bus).all():
             remedy = "are resistance and torque_constant in ohm and N m/A?"
             raise SceneError("[motor.thermal]: the power of motors overflows", remedy=remedy)
         own, missing = [names[i] for i in self.places], [name for i, name in enumerate(names) if i not in self.places]
         mean = float(np.sum(bus * whole[0]) / np.sum(whole[0]))
         shared = Bus(tuple(own), tuple(missing), mean, *_energies(bus, steps))
-        return Heat(motors, shared, courses, _bands(bus, shown))
-
-
-def _bands(values: Floats, at: NDArray[np.int64]) -> tuple[Floats, Floats]:
-    """Return the least and the greatest from each place to the next."""
-    return np.minimum.reduceat(values, at), np.maximum.reduceat(values, at)
+        power = np.minimum.reduceat(bus, shown), np.maximum.reduceat(bus, shown)
+        return Heat(motors, shared, time[shown], courses, power)
 
 
 def loss_factor(thermal: Thermal, rise: Floats) -> tuple[Floats, Floats]:
@@ -193,10 +191,10 @@ def response(thermal: Thermal, steps: Floats, square: Floats, start: Floats | No
         maps = prefixes(_intervals(thermal, steps, square * slope, square * (factor - slope * inside)))
         begin, whole = start, maps[..., -1]
         if begin is None:
-            trace, det = _invariants(whole)
-            if not (trace < 0.0 and det > 0.0):  # an eigenvalue of I + D is 1 or more: it heats more than it cools
-                return None, maps
             (a, b, u), (c, d, v) = whole
+            det = a * d - b * c
+            if not (a + d < 0.0 and det > 0.0):  # an eigenvalue of I + D is 1 or more: it heats more than it cools
+                return None, maps
             begin = np.array((b * v - d * u, c * u - a * v)) / det
         states = begin[:, None] + maps[:, 0] * begin[0] + maps[:, 1] * begin[1] + maps[:, 2]
         states = np.column_stack((begin, states))
@@ -206,12 +204,6 @@ def response(thermal: Thermal, steps: Floats, square: Floats, start: Floats | No
         if not thermal.torque_coefficient or np.abs(inside - before).max() <= 1e-11 * (1.0 + np.abs(inside).max()):
             return states.T, maps
     return None, maps
-
-
-def _invariants(whole: Floats) -> tuple[float, float]:
-    """Return the trace and the determinant of the D of a map (2, 3)."""
-    (a, b, _), (c, d, _) = whole.tolist()
-    return a + d, a * d - b * c
 
 
 def _intervals(thermal: Thermal, steps: Floats, gain: Floats, heat: Floats) -> Floats:
@@ -265,24 +257,15 @@ def _greatest(thermal: Thermal, states: Floats | None, time: Floats) -> tuple[fl
 
 def _over_cycles(maps: Floats, start: Floats) -> tuple[Floats, Floats]:
     """Return numbers of cycles, from 0, and the hottest winding and housing of each, until they are steady."""
-    trace, det = _invariants(maps[..., -1])
-    slowest = 2.0 * det / (trace - np.sqrt(max(trace * trace - 4.0 * det, 0.0)))  # D's eigenvalue nearest to 0
-    many = log(_LAST) / log1p(max(slowest, _LAST - 1.0)) if slowest < 0.0 else _CYCLES
-    stride = ceil(many / _CYCLES)
-    step, states = _power(maps[..., -1], stride), [start]
-    while len(states) * stride <= many + stride and states[-1][0] < _SCALE:
-        x = states[-1]
-        states.append(x + step[:, 0] * x[0] + step[:, 1] * x[1] + step[:, 2])
+    powers = [maps[..., -1]]  # the maps of 1, 2, 4 ... cycles
+    while len(powers) < 60 and _LAST < np.abs(powers[-1][:, :2] + np.eye(2)).max() < 10.0:
+        powers.append(then(powers[-1], powers[-1]))
+    first, states = max(len(powers) - 8, 0), [start]
+    step = powers[first]
+    while len(states) <= 2 ** (len(powers) - 1 - first) and states[-1][0] < _SCALE:
+        states.append(states[-1] + step[:, :2] @ states[-1] + step[:, 2])
     peaks = [x + np.maximum(0.0, (maps[:, 0] * x[0] + maps[:, 1] * x[1] + maps[:, 2]).max(axis=1)) for x in states]
-    return stride * np.arange(float(len(states))), np.array(peaks)
-
-
-def _power(cycle: Floats, n: int) -> Floats:
-    """Return the map (2, 3) of n cycles."""
-    found, square = np.zeros((2, 3)), cycle
-    while n:
-        found, square, n = then(found, square) if n % 2 else found, then(square, square), n // 2
-    return found
+    return 2.0**first * np.arange(len(states)), np.array(peaks)
 
 
 def _energies(power: Floats, steps: Floats) -> tuple[float, float, float, float]:

@@ -85,7 +85,7 @@ def torques(
     )
     with opened as motion:
         file = getattr(motion, "file", None)
-        sized = bool(scene.motor) if sizing is None else sizing
+        sized = bool(scene.motor or scene.gear_life) if sizing is None else sizing
         held: ConstraintPass | None = None
         if scene.constrained:
             from robodyn.loads.constraints import ConstraintPass

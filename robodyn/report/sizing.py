@@ -126,7 +126,7 @@ def _heat_sections(sizing: Sizing, size: Sizes) -> Iterator[Section]:
         if (motor := joint.motor) is None:
             continue
         if (life := motor.gear_life) is not None:
-            row = [joint.name, size.number(life.mean_torque, joint.unit), number(life.mean_speed)]
+            row = [joint.name, size.amount(life.mean_torque, joint.unit), number(life.mean_speed)]
             lives.append([*row, "-" if life.life is None else f"{life.life:.4g}"])
         if (heat := motor.heat) is None:
             continue

@@ -146,8 +146,9 @@ def _charts(result: Result, model: Model, scene: Scene, history: History, course
         charts.append(time_chart("Power of joints", "Power of joints", course.time, power, "W", rows=course.rows))
     yield from doc.titled("Along the motion", [*doc.paragraphs(said), *doc.gallery(charts)])
     yield from doc.titled("Motors", doc.gallery(motors.values()))
-    if history.heat is not None and history.heat.courses:
-        yield from doc.titled("Temperatures of motors, and the DC bus", doc.gallery(heat_charts(result, history.heat)))
+    if result.sizing and history.heat and history.heat.courses:
+        charts = list(heat_charts(result.sizing, history.heat))
+        yield from doc.titled("Temperatures of motors, and the DC bus", doc.gallery(charts))
     peaks = [joint for joint in joints if not is_noise(abs(joint.peak), size[joint.unit])]
     yield from doc.titled("What makes the peaks", _share_bars(peaks))
     if result.constraints is not None and scene.contacts:

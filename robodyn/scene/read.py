@@ -85,7 +85,6 @@ def scene_from(values: Mapping[str, Any], sources: Sources) -> Scene:
             raise SceneError(what, remedy="give [[contact]] name, link and point or polygon", file=sources[0][1])
     table = TomlTable(values, WHOLE, sources)
     rotors = {name: _rotor(entry) for name, entry in table.tables("rotor")}
-    gears = {name: _gear(entry) for name, entry in table.tables("gear")}
     motors = {name: _motor(entry, name, rotors) for name, entry in table.tables("motor")}
     contacts = tuple(_contact(entry) for entry in table.list("contact"))
     loops = tuple(_loop(entry) for entry in table.list("loop"))
@@ -102,8 +101,8 @@ def scene_from(values: Mapping[str, Any], sources: Sources) -> Scene:
     return table.read(
         Scene,
         friction={name: _friction(entry) for name, entry in table.tables("friction")},
-        motor={**{name: parts.Motor() for name in gears}, **motors},
-        gear_life=gears,
+        motor=motors,
+        gear_life={name: _gear(entry) for name, entry in table.tables("gear")},
         rotor=rotors,
         coupled=tuple(_coupled(entry) for entry in table.list("coupled")),
         spring={name: entry.read(parts.Spring) for name, entry in table.tables("spring")},
