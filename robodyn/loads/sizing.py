@@ -63,7 +63,8 @@ class Train(NamedTuple):
 def train_of(joint: Joint, scene: Scene) -> Train | None:
     """Return the motor and gear that drive a joint; None if the scene says nothing of them; raise SceneError if the
     gear ratio of the description is 0, or the rotor's gyroscopic moments count."""
-    motor = scene.motor.get(joint.name)
+    life = scene.gear_life.get(joint.name)
+    motor = scene.motor.get(joint.name, Motor() if life else None)
     if motor is None:
         return None
     inertia, gear = rotor_of(joint, scene)
@@ -75,10 +76,10 @@ def train_of(joint: Joint, scene: Scene) -> Train | None:
         what = f"[motor] {joint.name}: its rotor has an axis, and motors are judged by rotors that turn in place"
         raise SceneError(what, remedy="leave axis and on of [rotor] out, or [motor]")
     geared = joint.reduction != 1.0 or (rotor is not None and rotor.ratio is not None)
-    if joint.name in scene.gear_life and not geared:
+    if life and not geared:
         what = f"[gear] {joint.name}: its ratio is not said, and its life depends on the speed of its input"
         raise SceneError(what, remedy=f"write [motor.{joint.name}] gear = turns of the motor per turn of the joint")
-    return Train(motor, gear, inertia, joint.kind != "prismatic" or geared, scene.gear_life.get(joint.name))
+    return Train(motor, gear, inertia, joint.kind != "prismatic" or geared, life)
 
 
 def load_torque(train: Train, tau: Floats, qdd: Floats) -> Floats:

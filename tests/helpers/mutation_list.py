@@ -38,7 +38,7 @@ PIECES = {
         ("second[:, :1] * first[:1]", "first[:, :1] * second[:1]"),
         ("1.0 / thermal.drive_efficiency", "thermal.drive_efficiency"),
         ("np.add.reduceat(whole, np.arange(0, whole.shape[1], 2), axis=1)", "whole[:, ::2]"),
-        ("trace < 0.0 and det > 0.0", "True"),
+        ("a + d < 0.0 and det > 0.0", "True"),
     ],
     ("sizing/test_gears_screws_and_poses.py", "loads/sizing.py"): [
         ("carried**self.exponents", "carried"),

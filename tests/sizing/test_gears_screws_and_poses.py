@@ -154,6 +154,13 @@ def test_life_needs_a_ratio():
         robodyn.torques(model, motion(model, [0.0, 1.0], zero, zero, zero), scene)
 
 
+def test_life_needs_no_motor():
+    model, zero = mover(), np.zeros((2, 1))
+    scene = Scene(gear_life={"j": GearLife(7000.0, 60.0, 200.0)}, rotor={"j": Rotor(1e-4, gear=100.0)})
+    (joint,) = robodyn.torques(model, motion(model, [0.0, 1.0], zero, zero + 1.0, zero + 1.0), scene).sizing.joints
+    assert joint.motor.gear_life.life > 0.0
+
+
 def test_capacities_follow_from_time_constants():
     text = THERMAL.replace("winding_capacity = 20", "winding_time = 24\nhousing_ambient = 4.0\nhousing_time = 600")
     thermal = parse_scene(b"[motor.j]\n" + text.encode()).motor["j"].thermal

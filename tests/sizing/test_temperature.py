@@ -246,9 +246,10 @@ def test_mujocos_motor_gets_as_hot():
         t, q, qd, rise, qdd = np.array(rows).T
         scene = Scene(gravity=(0.0, 0.0, 0.0), motor={"j": Motor(thermal=thermal)})
         moved = motion(ours, t, q[:, None], qd[:, None], qdd[:, None])
-        course = robodyn.torques(ours, moved, scene, history=True).history.heat.courses[0]
+        heat = robodyn.torques(ours, moved, scene).sizing.joints[0].motor.heat
         assert rise.max() > 5.0
-        assert np.abs(course.once[:, 0] - 40 - np.interp(course.time, t, rise)).max() <= 0.1
+        assert abs(heat.winding_once - 40 - rise.max()) <= 0.1
+        assert abs(np.interp(heat.winding_once_time, t, rise) - rise.max()) <= 0.1
 
 
 def test_gear_takes_its_share_of_the_energy():
@@ -281,4 +282,15 @@ def test_example_of_the_puma_row_by_row():
         whole = expm(M * h) @ whole
     begin = np.linalg.solve(np.eye(2) - whole[:2, :2], whole[:2, 2])
     course = result.history.heat.courses[0]
-    assert np.abs(course.steady[0] - 25 - begin).max() <= 1e-9 * begin.max()
+    assert np.abs(course.winding[0] - 25 - begin[0]).max() <= 1e-9 * begin.max()
+
+
+def test_a_pause_in_one_row_is_as_exact_as_in_many():
+    """10 s of work and 60 s of holding: energy within 1e-4, the housing's peak inside the pause within 0.01 K."""
+    hot = replace(COPPER, housing_capacity=40.0)
+    t, torque = np.array((0.0, 10.0, 10.001, 70.0)), np.array((0.2, 0.2, 0.05, 0.05))
+    many = np.unique(np.concatenate((t, np.linspace(0, 70, 7001))))
+    one, other = (heated(hot, x, np.interp(x, t, torque)).sizing.joints[0].motor.heat for x in (t, many))
+    assert one.copper_loss == pytest.approx(other.copper_loss, rel=1e-4)
+    assert abs(one.housing - other.housing) <= 0.01
+    assert abs(one.winding - other.winding) <= 0.01
