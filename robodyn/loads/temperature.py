@@ -265,7 +265,7 @@ def _over_cycles(maps: Floats, start: Floats) -> tuple[Floats, Floats]:
     while len(states) <= 2 ** (len(powers) - 1 - first) and states[-1][0] < _SCALE:
         states.append(states[-1] + step[:, :2] @ states[-1] + step[:, 2])
     peaks = [x + np.maximum(0.0, (maps[:, 0] * x[0] + maps[:, 1] * x[1] + maps[:, 2]).max(axis=1)) for x in states]
-    return 2.0**first * np.arange(len(states)), np.array(peaks)
+    return np.arange(float(len(states))) * 2**first, np.array(peaks)
 
 
 def _energies(power: Floats, steps: Floats) -> tuple[float, float, float, float]:
