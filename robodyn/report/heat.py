@@ -11,27 +11,33 @@ from robodyn.loads.temperature import Heat
 from robodyn.report import document as doc
 from robodyn.report.charts import plane_chart, time_chart
 from robodyn.report.table import number, printable
+from robodyn.support.floats import Floats
+
+_FLAT = 0.1
+"""A winding whose temperature changes less than this share of its rise along a cycle is not drawn along it."""
 
 
 def heat_charts(sizing: Sizing, heat: Heat) -> Iterator[doc.Chart]:
-    """Yield how each motor gets hot, cycle by cycle; then along one cycle of the steady state windings and the power of
-    the bus."""
+    """Yield how windings get hot, cycle by cycle, with limits that are near; then along one cycle of the steady state
+    those that change in it, and the power of the bus."""
     limits = {joint.name: joint.motor.heat for joint in sizing.joints if joint.motor}
+    lines, colours, along = dict[str, tuple[Floats, Floats]](), dict[str, str](), dict[str, Floats]()
     for course in heat.courses:
-        given = limits[course.name]
+        name, given, minutes = printable(course.name), limits[course.name], course.begins / 60.0
         assert given is not None
-        minutes, limit = course.begins / 60.0, given.winding_limit
-        lines = {part: (minutes, course.hottest[:, k]) for k, part in enumerate(("winding", "housing"))}
-        if course.hottest.max() - given.ambient >= 0.5 * (limit - given.ambient):  # else it would flatten the curves
-            lines["limit"] = minutes[[0, -1]], np.full(2, limit)
-        title, (first, last) = f"{printable(course.name)}: hottest of each cycle", course.hottest[[0, -1], 0]
-        alt = f"{title}, the winding from {number(first)} to {number(last)} {DEGREES}; its limit is {limit:g}"
-        axes, colours = ("time since the start [min]", f"temperature [{DEGREES}]"), {"limit": "bad"}
-        yield plane_chart(title, alt, *axes, lines=lines, colours=colours)
-    windings = {printable(each.name): each.winding for each in heat.courses if each.winding is not None}
-    if windings:
+        lines[name] = minutes, course.hottest[:, 0]
+        if course.hottest[:, 0].max() - given.ambient >= 0.5 * (given.winding_limit - given.ambient):
+            lines[f"limit of {name}"] = minutes[[0, -1]], np.full(2, given.winding_limit)
+            colours[f"limit of {name}"] = "bad"
+        winding = course.winding
+        if winding is not None and np.ptp(winding) > _FLAT * (winding.max() - given.ambient):
+            along[name] = winding
+    title, axes = "Windings: hottest of each cycle", ("time since the start [min]", f"temperature [{DEGREES}]")
+    ends = ", ".join(f"{printable(each.name)} {number(each.hottest[-1, 0])} {DEGREES}" for each in heat.courses)
+    yield plane_chart(title, f"{title}; at the end {ends}", *axes, lines=lines, colours=colours)
+    if along:
         title = f"Windings, repeated for ever [{DEGREES}]"
-        yield time_chart(title, "Temperatures of windings along the motion", heat.time, windings, DEGREES)
+        yield time_chart(title, "Temperatures of windings along the motion", heat.time, along, DEGREES)
     alt = f"Power of the DC bus over time: at most {number(heat.bus.peak_power)} W, at least"
     power = {"bus": heat.power}
     yield time_chart("DC bus: power [W]", f"{alt} {number(heat.bus.least_power)} W", heat.time, power, "W")

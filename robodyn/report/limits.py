@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from robodyn.errors import Caveat
 from robodyn.loads.result import JointLoad, Result
 from robodyn.report.document import Bars, Block, Level, Section, Table, Verdict, paragraphs, select
-from robodyn.report.sizing import UNJUDGED, in_words, probability, uses
+from robodyn.report.sizing import in_words, probability, uses
 from robodyn.report.table import first_names, is_noise, number, percent, printable
 from robodyn.robot.limits import Coverage, Excess
 from robodyn.support.floats import ranked, steady
@@ -168,7 +168,7 @@ def use_bars(result: Result | Simulation) -> list[Block]:
     for k, load in enumerate(joints):
         bars, shares = [], uses(load, sizing.joints[k] if sizing else None, getattr(result, "samples", 0) == 1)
         for share, what in shares:
-            colour = "bad" if share > 100.0 and UNJUDGED not in what else "doubtful" if share > 80.0 else "good"
+            colour = "bad" if share > 100.0 else "doubtful" if share > 80.0 else "good"
             bars.append((f"{percent(share)} % of {what}", 0.0, min(share, 100.0), colour))
         if any(each.joint == load.name and each.quantity == "position" for each in result.exceeded):
             shares.append((101.0, "position"))

@@ -28,7 +28,6 @@ _WORDS = {
     "velocity": ("the joint's speed", "the description allows"),
 }
 """Of a quantity what it is, and what limits it."""
-UNJUDGED = "not judged"
 _WORST = ("over peak", "over temperature", "over continuous", "OK", "no limits")
 _NAMED = 8
 """Joints that are named at most."""
@@ -160,12 +159,11 @@ def uses(load: JointLoad | JointUse, joint: JointSizing | None, pose: bool = Fal
         if (near := motor.nearest) is not None:
             when = "" if pose else f" at {near.time:.6g} s"
             found.append((near.torque, near.limit, f"the peak curve{when}"))
-        judged = "the continuous torque" if motor.heat is None else f"the continuous torque ({UNJUDGED})"
-        found.append((motor.rms, motor.continuous_limit, judged))
-        if motor.heat is not None and motor.heat.winding is not None:
-            heat, ambient = motor.heat, motor.heat.ambient
-            rise = max(each or ambient for each in (heat.winding, heat.winding_once)) - ambient
-            found.append((rise, heat.winding_limit - ambient, "the winding's temperature rise"))
+        if (heat := motor.heat) is None:
+            found.append((motor.rms, motor.continuous_limit, "the continuous torque"))
+        elif heat.winding is not None:
+            rise = max(each or heat.ambient for each in (heat.winding, heat.winding_once)) - heat.ambient
+            found.append((rise, heat.winding_limit - heat.ambient, "the warming allowed"))
         found.append((abs(motor.max_speed), motor.speed_limit, "the motor's speed"))
     found.append((abs(load.peak), load.effort_limit, "the effort limit"))
     found.append((abs(load.max_speed), load.velocity_limit, "the velocity limit"))
