@@ -27,7 +27,7 @@ WORKS = (
     "check scara.urdf --format sarif",
     "fbd scara.urdf --at 0.1,0.2,0 --svg {out}/bodies",
     "equations scara.urdf --form dae --at 0.1,0.2,0",
-    "envelope scara.urdf --payload tool --report {out}/scara.md",
+    "envelope scara.urdf --payload spindle --report {out}/scara.md",
     "linearize scara.urdf --step 0.001 --out {out}/linear.npz --report {out}/linear.md",
     "export scara.urdf --to c --what torques,mass_matrix,bias,forward",
     "export scara.urdf --to casadi --out {out}/scara_casadi.py",

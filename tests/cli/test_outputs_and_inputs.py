@@ -76,7 +76,7 @@ RESULTS = (
     "export arm.urdf --to c --out arm.c",
     "convert arm.urdf --to mjcf --out arm.xml",
     "linearize arm.urdf --out linear.npz",
-    "size arm.urdf arm.csv --catalog motors.csv --scene-out chosen.toml",
+    "size arm.urdf arm.csv --catalog motors.csv --gears gears.csv --scene-out chosen.toml",
     "fbd arm.urdf --svg drawings",
     "check arm.urdf --also sarif=found.sarif --also text=found.txt --also junit=found.xml --also short=short.txt",
 )

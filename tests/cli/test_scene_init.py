@@ -79,7 +79,7 @@ def test_examples_can_be_computed(first: int) -> None:
     text = scene_toml(robodyn.load("arm.urdf"))
     for line in examples(text)[first::4]:
         Path("scene.toml").write_text(text.replace(f"\n#{line}\n", f"\n{line}\n"))
-        if line.startswith("base") or "elbow" in line:
+        if line.startswith(("base", "gear")) or "elbow" in line:  # a life needs a ratio, which an arm does not say
             continue
         for call in (("torques", "arm.urdf", "arm.csv"), ("simulate", "arm.urdf", "--duration", "0.01")):
             if not line.startswith({"torques": "loop", "simulate": "contact ="}[call[0]]):

@@ -314,9 +314,8 @@ def test_motors_gears_and_friction_keep_their_limits(seed):
         found = retime(model, q, scene, grid=400, rate=2000.0)
         assert found.feasible, found.reason
         assert at_shafts(model, scene, found) <= 1.0 + 1e-8
-        assert (
-            np.abs(found.tau - robodyn.inverse_dynamics(model, found.q, found.qd, found.qdd, scene=scene)).max() == 0.0
-        )
+        tau = robodyn.inverse_dynamics(model, found.q, found.qd, found.qdd, scene=scene)
+        assert np.abs(found.tau - tau).max() <= 1e-12 * np.abs(tau).max()
         longer = retime(model, q, scene, grid=400, speed=0.9)
         assert longer.duration >= found.duration * (1.0 - 1e-6)
         assert sum(one.share_of_time for one in found.binding) >= 0.5
