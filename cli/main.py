@@ -16,8 +16,8 @@ from robodyn.errors import RobodynWarning
 from robodyn.support.wording import alternatives
 
 COMMANDS = (
-    *("torques", "simulate", "inertia", "check", "fbd", "equations", "linearize", "export", "excite"),
-    *("identify", "size", "scene", "info", "view", "diff", "convert", "accuracy", "rule", "doctor", "lsp"),
+    *("torques", "retime", "envelope", "size", "simulate", "inertia", "check", "fbd", "equations", "linearize"),
+    *("export", "excite", "identify", "scene", "info", "view", "diff", "convert", "accuracy", "rule", "doctor", "lsp"),
 )
 
 

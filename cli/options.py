@@ -266,6 +266,40 @@ def _payload(text: str) -> Payload:
     return Payload(link, m, (x, y, z))
 
 
+def _carried(text: str) -> Payload | tuple[str, Vector]:
+    """Return a mass on a link, or the place of one that is looked for."""
+    if "=" in text:
+        return _payload(text)
+    link, at, point = text.partition("@")
+    numbers = finite_numbers(point if at else "0,0,0")
+    if not link or len(numbers) != 3:
+        raise ValueError(f"{text!r} is not LINK or LINK@X,Y,Z, such as tool0@0,0,0.1, nor LINK=KG")
+    x, y, z = numbers
+    return link, (x, y, z)
+
+
+def _box(text: str) -> Pairs:
+    """Return names of joints with their ranges, least..largest or one value, or those of a TOML file."""
+    if "=" in text and not os.path.isfile(text):
+        parts = [part.partition("=") for part in text.split(",")]
+        found = Pairs((name.strip(), ends.strip()) for name, _, ends in parts)
+    else:
+        from robodyn.scene.toml_table import read_toml
+
+        try:
+            given = read_toml(read_input(text), text)
+        except OSError as error:
+            raise ValueError(f"{text!r} is not JOINT=LEAST..LARGEST, nor a file: {error.strerror}") from None
+        found = Pairs((name, "..".join(map(str, x if isinstance(x, list) else [x]))) for name, x in given.items())
+        found.file = text
+    for name, ends in found:
+        numbers = [finite_numbers(end) for end in ends.split("..")]
+        if not name or len(numbers) > 2 or not all(len(each) == 1 for each in numbers):
+            example = f"{name or 'elbow'} = [-1.0, 1.5]" if found.file else "elbow=-1..1.5"
+            raise ValueError(f"{text}: {name}={ends:.60} is no range, such as {example}")
+    return found
+
+
 def _columns(text: str) -> Pairs:
     ours, equals, theirs = (part.strip() for part in text.partition("="))
     if equals and not os.path.isfile(text):
@@ -309,6 +343,7 @@ TABLE_OUT, SCENE_OUT = Output("a table"), Output("a scene that was identified")
 MOTORS_OUT = Output("a scene of chosen motors")
 URDF_OUT, COVARIANCE_OUT = Output("a calibrated description"), Output("a covariance")
 NAMES = Parsed("joints", _names)
+CARRIED, BOX = Parsed("payload", _carried), Parsed("file", _box)
 POSITIVE, POINT, VALUES = Parsed("number", _positive), Parsed("point", _point), Parsed("at", _at)
 DESCRIPTION = together(
     option("--package-path DIR*", "Where packages are looked for first; repeatable.", FOLDER_THERE, "package_paths"),
@@ -322,21 +357,23 @@ DESCRIPTION = together(
         "--trust-xacro", "Let the .xacro file that is named run any Python, read any file and all of the environment."
     ),
 )
+SCENE_FILES = option(
+    "--scene FILE*",
+    "TOML: friction, motors, payloads, wrenches, base; robodyn scene init writes one. Repeatable: merged.",
+    PATH,
+    "scene_files",
+)
+GRAVITY = option("--gravity X,Y,Z", "m/s^2 in the base frame; default 0,0,-9.81.", vector_type("0,0,-9.81"))
 SCENE = together(
     DESCRIPTION,
-    option(
-        "--scene FILE*",
-        "TOML: friction, motors, payloads, wrenches, base; robodyn scene init writes one. Repeatable: merged.",
-        PATH,
-        "scene_files",
-    ),
+    SCENE_FILES,
     option(
         "--payload LINK=KG[@X,Y,Z]*",
         "A mass on a link, its centre in m in the link's frame; repeatable, beside those of the scene.",
         Parsed("payload", _payload),
         "payloads",
     ),
-    option("--gravity X,Y,Z", "m/s^2 in the base frame; default 0,0,-9.81.", vector_type("0,0,-9.81")),
+    GRAVITY,
 )
 BASE_HELD = option("--base-held", "The base is bolted down, or something carries it: do not warn.")
 REPORT_OUT = Output("a report", _report)

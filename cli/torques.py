@@ -29,6 +29,7 @@ MOST = 8
 _GROUPS = {
     "The robot and what surrounds it": "package-path xacro-arg trust-xacro scene payload gravity base-held",
     "The trajectory": "hold map time-unit angle-unit derivatives encoder-error topic ignore-extra example",
+    "A pose, in place of it": "at qd qdd",
     "What is computed": "sizing momentum about frame explain accuracy",
     "A log with measured torques": "measured cutoff",
     "What is written": "out reactions fail-on-limits report format",
@@ -50,12 +51,15 @@ class TorquesCommand(click.Command):
 
 @click.command("torques", cls=TorquesCommand, short_help="Compute what every joint and bearing carries along a motion.")
 @click.argument("urdf", type=PATH)
-@click.argument("trajectories", type=PATH, nargs=-1, required=True, metavar="TRAJECTORY...")
+@click.argument("trajectories", type=PATH, nargs=-1, metavar="TRAJECTORY...")
 @takes(
     options.SCENE,
     option("--out FILE", "Write the torques: .csv, .parquet, .npz; of many a FOLDER.", TABLE_OUT),
     options.BASE_HELD,
-    option("--reactions", "Write the wrenches of the base and of every joint to --out too."),
+    options.AT,
+    options.QD,
+    option("--qdd QDD", "Accelerations, likewise; default none.", options.VALUES),
+    option("--reactions", "Write the wrenches of the base and of every joint to --out too; of --at print them."),
     option("--sizing", "Add duty, motors, bearings, foundation; as a scene with motors does."),
     option("--momentum", "Mass centre, momenta, energies, power: report them, and write them to --out."),
     option("--about POINT", "Of L: origin (default), com or X,Y,Z.", options.POINT),
@@ -89,8 +93,9 @@ def command(
     example: bool,
     jobs: int | None,
     dask: str | None,
+    qdd: Any,
 ) -> int:
-    """Compute joint torques, base loads and sizing figures along a motion.
+    """Compute joint torques, base loads and sizing figures along a motion, or in the pose that --at gives.
     A file named - is standard input; a trajectory then is CSV.
 
     \b
@@ -101,7 +106,23 @@ def command(
       robodyn torques robots/puma.urdf before.csv after.csv --report both.html
       robodyn torques robots/puma.urdf motion.csv --example --report puma.html
       robodyn torques robots/puma560.urdf log.db3 --measured --report measured.html
+      robodyn torques robots/puma560.urdf --at shoulder=-0.5,elbow=0.3 --reactions
     """
+    posed = next((f"--{name}" for name, x in (("at", call.at), ("qd", call.qd), ("qdd", qdd)) if x is not None), "")
+    refuse_where(
+        (posed and trajectories, f"{posed} is of one pose, in place of {' '.join(trajectories)}"),
+        (posed and call.at is None, f"{posed} goes with --at"),
+        (not posed and not trajectories, "Missing argument 'TRAJECTORY...', or --at for one pose."),
+    )
+    loads: dict[str, Any] = {"momentum": None, "sizing": sizing or None, "reactions": reactions}
+    loads |= {"explain": explain, "executor": call.executor, "threads": call.threads}
+    if posed:
+        along: dict[str, object] = {"measured": measured, "cutoff": cutoff, "accuracy": call.accuracy, "out": call.out}
+        along |= {"example": example, "jobs": jobs, "dask": dask, call.reading_given[2:]: call.reading_given}
+        along |= {"momentum": momentum, "about": about, "frame": frame}
+        why = "is for trajectories, and --at is of one pose"
+        refuse_where(*((value, f"--{name} {why}") for name, value in along.items()))
+        return _posed(call, urdf, qdd, loads)
     if measured:
         others: dict[str, object] = {"fail-on-limits": call.fail_on_limits, "out": call.out, "reactions": reactions}
         others |= {"sizing": sizing, "momentum": momentum, "explain": explain, "accuracy": call.accuracy}
@@ -134,8 +155,6 @@ def command(
         (not many and jobs is not None, "--jobs goes with many trajectories: give several, or --out FOLDER/"),
         (not many and dask is not None, "--dask goes with many trajectories: give several, or --out FOLDER/"),
     )
-    loads: dict[str, Any] = {"momentum": None, "sizing": sizing or None, "reactions": reactions}
-    loads |= {"explain": explain, "executor": call.executor, "threads": call.threads}
     if momentum:
         from robodyn.dynamics.momenta import GROUND, View
 
@@ -147,6 +166,26 @@ def command(
 
         return run_batch(call, urdf, trajectories, loads, jobs, dask)
     return _single(call, urdf, trajectories[0], loads, example)
+
+
+def _posed(call: Call, urdf: str, qdd: Any, loads: dict[str, Any]) -> int:
+    from robodyn.loads.accumulate import output_names
+    from robodyn.loads.torques import torques
+    from robodyn.report.limits import verdict_section
+    from robodyn.report.torques import pose_sections, torques_json
+    from robodyn.report.torques_page import torques_page
+    from robodyn.trajectory.read import pose
+
+    check_names()
+    model, scene = robot_in_scene(call, urdf, loops=True, contacts=True)
+    state, columns = pose(model, call.at, call.qd or (), qdd or (), scene), []
+    sinks = [lambda _, values: columns.append(values[0])]
+    result = torques(model, state, scene, sinks=sinks, history=call.pictured, **loads)
+    names = output_names(model, loads["reactions"], scene=scene)
+    sections = list(pose_sections(result, names, columns[0], loads["explain"]))
+    page, last = partial(torques_page, result, model, scene, pose=sections), verdict_section(result)
+    answer(call, sections, page, last=last, json=lambda: torques_json(result))
+    return int(call.fail_on_limits and result.within_limits is False)
 
 
 def _single(call: Call, urdf: str, trajectory: str, loads: dict[str, Any], example: bool) -> int:

@@ -40,8 +40,10 @@ TOPICS = {
     "The commands as functions": (
         "torques",
         "size",
+        "retime",
         "simulate",
         "rollouts",
+        "envelope",
         "linearize",
         "view",
         "export",

@@ -54,6 +54,7 @@ if TYPE_CHECKING:
     from robodyn.scene.scene import Drive as Drive
     from robodyn.scene.scene import ExternalWrench as ExternalWrench
     from robodyn.scene.scene import Friction as Friction
+    from robodyn.scene.scene import GearLife as GearLife
     from robodyn.scene.scene import Immersed as Immersed
     from robodyn.scene.scene import Loop as Loop
     from robodyn.scene.scene import Motor as Motor
@@ -61,6 +62,7 @@ if TYPE_CHECKING:
     from robodyn.scene.scene import Rotor as Rotor
     from robodyn.scene.scene import Scene as Scene
     from robodyn.scene.scene import Spring as Spring
+    from robodyn.scene.scene import Thermal as Thermal
     from robodyn.scene.uncertainty import Covariance as Covariance
     from robodyn.scene.uncertainty import Deviation as Deviation
     from robodyn.scene.uncertainty import LinkUncertainty as LinkUncertainty
@@ -68,6 +70,8 @@ if TYPE_CHECKING:
     from robodyn.simulation.rollouts import rollouts as rollouts
     from robodyn.simulation.simulate import simulate as simulate
     from robodyn.sizing.catalogue import size as size
+    from robodyn.sizing.envelope import envelope as envelope
+    from robodyn.sizing.retime import retime as retime
     from robodyn.solids.mass_properties import mass_properties as mass_properties
     from robodyn.trajectory.read import motion as motion
     from robodyn.trajectory.read import read_motion as read_motion
@@ -106,12 +110,14 @@ _HOMES = {
     "scene.read": ("load_scene",),
     "scene.scene": (
         *("Contact", "ContactCost", "CoupledMotor", "Drive", "ExternalWrench", "Friction", "Immersed", "Loop", "Motor"),
-        *("Payload", "Rotor", "Scene", "Spring"),
+        *("GearLife", "Payload", "Rotor", "Scene", "Spring", "Thermal"),
     ),
     "scene.uncertainty": ("Covariance", "Deviation", "LinkUncertainty", "Uncertainty"),
     "simulation.rollouts": ("rollouts",),
     "simulation.simulate": ("simulate",),
     "sizing.catalogue": ("size",),
+    "sizing.retime": ("retime",),
+    "sizing.envelope": ("envelope",),
     "solids.mass_properties": ("mass_properties",),
     "trajectory.read": ("motion", "read_motion"),
 }

@@ -185,7 +185,7 @@ class TorqueAccumulator:
         if options.sizing:
             from robodyn.loads.sizing import SizingPass
 
-            self.sizing = SizingPass(model, scene, self.joints, self.rates)
+            self.sizing = SizingPass(model, scene, self.joints, self.rates, options.history)
         self.uncertain: UncertaintyPass | None = None
         if scene.uncertainty is not None:
             from robodyn.loads.uncertainty import UncertaintyPass
@@ -259,7 +259,9 @@ class TorqueAccumulator:
         if self.courses is None:
             return None
         at_peak = self.statistics.at_peak
-        return History(*self.courses, tuple(at_peak[k] for k in range(len(at_peak))))
+        return History(
+            *self.courses, tuple(at_peak[k] for k in range(len(at_peak))), self.sizing.heat if self.sizing else None
+        )
 
     def _run(self, runner: Runner, sources: Mapping[str, Floats], expected: int) -> Run:
         executor, threads = self.options.executor, self.options.threads

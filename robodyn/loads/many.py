@@ -10,7 +10,7 @@ from robodyn.robot.limits import Coverage, within
 from robodyn.support.floats import ranked
 
 Status = Literal["computed", "finished before", "failed"]
-_LEVELS = (None, "no limits", "OK", "over continuous", "over peak")
+_LEVELS = (None, "no limits", "OK", "over continuous", "over temperature", "over peak")
 
 
 @dataclass(frozen=True)

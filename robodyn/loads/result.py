@@ -18,14 +18,24 @@ if TYPE_CHECKING:
     from polars import DataFrame
 
     from robodyn.loads.constraint_result import Constraints
+    from robodyn.loads.temperature import Bus, Heat, MotorHeat
     from robodyn.loads.uncertainty_result import Uncertain
     from robodyn.support.courses import Courses
 
 _SHOWN = 6
 """Joints that a result names in its repr."""
-Level = Literal["OK", "over continuous", "over peak", "no limits"]
+DEGREES = "degC"
+Level = Literal["OK", "over continuous", "over temperature", "over peak", "no limits"]
+_Temperature = Literal["winding temperature", "housing temperature", "thermal runaway"]
 Quantity = Literal[
-    "motor torque", "motor speed", "RMS motor torque", "gear torque", "mean gear torque", "effort", "velocity"
+    "motor torque",
+    "motor speed",
+    "RMS motor torque",
+    "gear torque",
+    "mean gear torque",
+    "effort",
+    "velocity",
+    _Temperature,
 ]
 
 
@@ -219,7 +229,8 @@ class Exceeded:
     """One limit of a joint that the motion exceeds; all values are magnitudes.
 
     Attributes:
-        quantity: RMS motor torque and mean gear torque wear out and heat, the others break or stall.
+        quantity: RMS motor torque and mean gear torque wear out and heat, temperatures [degC] age the insulation, the
+            others break or stall.
         value, limit: at the moment when value / limit is largest; time, row: of that [s; from 1]; seconds: in all. None
             for quantities of the whole motion.
         speed: of the motor then, or its mean over the motion where the limit depends on it; else None.
@@ -237,6 +248,8 @@ class Exceeded:
 
     @property
     def level(self) -> Level:
+        if self.unit == DEGREES:
+            return "over temperature"
         return "over continuous" if self.quantity in ("RMS motor torque", "mean gear torque") else "over peak"
 
     @property
@@ -256,6 +269,16 @@ class Nearest:
 
 
 @dataclass(frozen=True)
+class GearUse:
+    """Life of a gear [h], None if nothing wears it; mean_torque: `(integral |T|^p |qd| / integral |qd|)^(1/p)` of its
+    output, p the exponent of its life (3: the cubic mean); mean_speed: of its input, over the whole time [rad/s]."""
+
+    life: float | None
+    mean_torque: float
+    mean_speed: float
+
+
+@dataclass(frozen=True)
 class MotorLoad(ShaftLoad):
     """What a motor does at its shaft.
 
@@ -272,6 +295,7 @@ class MotorLoad(ShaftLoad):
         seconds_above_continuous: how long |T| is above the continuous curve, which a motor bears for moments.
         nearest: where the motor comes closest to its peak curve; seconds_over_peak: how long it is beyond.
         speed_limit, seconds_over_speed: the largest speed allowed, and how long it is exceeded.
+        gear_loss: what the gear takes [J]; gear_life: None without its data; heat: None without thermal data.
     """
 
     speed_unit: str
@@ -288,6 +312,9 @@ class MotorLoad(ShaftLoad):
     seconds_over_peak: float
     speed_limit: float | None
     seconds_over_speed: float
+    gear_loss: float
+    gear_life: GearUse | None
+    heat: MotorHeat | None = None
     JSON_ALSO: ClassVar = ("continuous_margin", "peak_margin")
 
     @property
@@ -365,11 +392,12 @@ class FoundationLoad(Range):
 
 @dataclass(frozen=True)
 class Sizing:
-    """What motors, gears, bearings and the foundation have to bear along a motion."""
+    """What motors, gears, bearings and the foundation have to bear along a motion; bus: None without thermal data."""
 
     joints: tuple[JointSizing, ...]
     bearings: tuple[BearingLoad, ...]
     foundation: tuple[FoundationLoad, ...]
+    bus: Bus | None = None
 
     @property
     def exceeded(self) -> bool:
@@ -380,11 +408,12 @@ class Sizing:
 class History:
     """The course of a motion. motion: time, q, qd, qdd, loads, columns of the tree's scene, and whether each contact is
     on; curves are tau, speeds, powers and the base wrench. energy: "work done" and "energy stored" since the start [J].
-    states: for each joint q, qd, qdd and columns at its peak torque."""
+    states: for each joint q, qd, qdd and columns at its peak torque. heat: of motors with thermal data."""
 
     motion: Courses
     energy: Courses
     states: tuple[Mapping[str, Floats], ...]
+    heat: Heat | None = None
 
 
 @dataclass(frozen=True, repr=False)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,10 +12,12 @@ from robodyn.dynamics.effects.motors import rotor_of
 from robodyn.dynamics.plan import torque_runner
 from robodyn.errors import SceneError
 from robodyn.loads.result import (
+    DEGREES,
     BearingLoad,
     Component,
     Exceeded,
     FoundationLoad,
+    GearUse,
     JointLoad,
     JointSizing,
     Level,
@@ -23,11 +26,12 @@ from robodyn.loads.result import (
     Sizing,
 )
 from robodyn.loads.statistics import Extremes, Greatest, Integrals, ShaftFigures
+from robodyn.loads.temperature import Heat, HeatPass
 from robodyn.programs.run.runner import Runner
-from robodyn.programs.vectors import length, product
+from robodyn.programs.vectors import frame, product
 from robodyn.robot.model import Joint, Model
-from robodyn.scene.scene import Curve, Motor, Scene
-from robodyn.support.floats import BEYOND, Floats, steady
+from robodyn.scene.scene import Curve, GearLife, Motor, Scene
+from robodyn.support.floats import BEYOND, LARGEST, Floats, steady
 from robodyn.trajectory.motion import Trajectory
 
 LEAST = 1e-9
@@ -47,6 +51,7 @@ class Train(NamedTuple):
     gear: float
     inertia: float
     rotary: bool
+    life: GearLife | None = None
 
     @property
     def speed_limit(self) -> float | None:
@@ -58,7 +63,8 @@ class Train(NamedTuple):
 def train_of(joint: Joint, scene: Scene) -> Train | None:
     """Return the motor and gear that drive a joint; None if the scene says nothing of them; raise SceneError if the
     gear ratio of the description is 0, or the rotor's gyroscopic moments count."""
-    motor = scene.motor.get(joint.name)
+    life = scene.gear_life.get(joint.name)
+    motor = scene.motor.get(joint.name, Motor() if life else None)
     if motor is None:
         return None
     inertia, gear = rotor_of(joint, scene)
@@ -69,8 +75,11 @@ def train_of(joint: Joint, scene: Scene) -> Train | None:
     if rotor is not None and rotor.spins:
         what = f"[motor] {joint.name}: its rotor has an axis, and motors are judged by rotors that turn in place"
         raise SceneError(what, remedy="leave axis and on of [rotor] out, or [motor]")
-    geared = joint.reduction != 1.0 or (rotor is not None and rotor.gear is not None)
-    return Train(motor, gear, inertia, joint.kind != "prismatic" or geared)
+    geared = joint.reduction != 1.0 or (rotor is not None and rotor.ratio is not None)
+    if life and not geared:
+        what = f"[gear] {joint.name}: its ratio is not said, and its life depends on the speed of its input"
+        raise SceneError(what, remedy=f"write [motor.{joint.name}] gear = turns of the motor per turn of the joint")
+    return Train(motor, gear, inertia, joint.kind != "prismatic" or geared, life)
 
 
 def load_torque(train: Train, tau: Floats, qdd: Floats) -> Floats:
@@ -84,6 +93,12 @@ def motor_torque(train: Train, load: Floats, qd: Floats, qdd: Floats) -> Floats:
     driving = np.sign(load) * np.sign(qd)
     share = np.where(driving > 0, 1.0 / train.motor.efficiency, np.where(driving < 0, train.motor.efficiency, 1.0))
     return (train.gear * train.inertia) * qdd + load * share / train.gear
+
+
+def gear_loss(train: Train, load: Floats, qd: Floats) -> Floats:
+    """The power that the gear takes [W], of loads of `load_torque` (N,)."""
+    power, efficiency = load * qd, train.motor.efficiency
+    return np.where(power > 0.0, power * (1.0 / efficiency - 1.0), power * (efficiency - 1.0)) + 0.0
 
 
 def points(torque: float | Curve) -> Curve:
@@ -109,6 +124,10 @@ class MotorPass(ShaftFigures):
         self.trains, self.gear, self.near = tuple(trains), Greatest(len(trains)), Greatest(len(trains))
         tops = [0.0 if train.motor.peak is None else max(y for _, y in points(train.motor.peak)) for train in trains]
         self.least = LEAST * np.array(tops)[:, None] + np.finfo(float).tiny
+        self.lives = any(train.life is not None for train in trains)
+        self.exponents = np.array([[0.0 if train.life is None else train.life.exponent] for train in trains])
+        thermals = {i: train.motor.thermal for i, train in enumerate(trains) if train.motor.thermal is not None}
+        self.heat = HeatPass(thermals) if thermals else None
 
     def update(self, time: Floats, first_row: int, tau: Floats, qd: Floats, qdd: Floats) -> None:
         trains = self.trains
@@ -127,13 +146,18 @@ class MotorPass(ShaftFigures):
         self.near.update(time, first_row, use, torque=size, speed=pace, limit=peak)
         more = {
             "wear": carried * carried * carried * np.abs(qd),
+            "gear loss": np.array([gear_loss(train, *x) for train, *x in zip(trains, load, qd, strict=True)]),
             "joint travel": np.abs(qd),
             "above continuous": (size > BEYOND * continuous).astype(float),
             "over peak": (size > BEYOND * peak).astype(float),
             "over speed": (pace > BEYOND * fastest).astype(float),
             "over gear": (carried > BEYOND * most).astype(float),
         }
+        if self.lives:
+            more["life"] = carried**self.exponents * np.abs(qd)
         self.gather(time, first_row, torque, speed, more)
+        if self.heat is not None:
+            self.heat.update(time, torque, speed)
 
     def load(self, i: int, duration: float, inertia: float | None) -> MotorLoad:
         """Return the figures of motor i, which accelerates this inertia at the joint, with its rotor [kg m^2]."""
@@ -162,7 +186,18 @@ class MotorPass(ShaftFigures):
             seconds_over_peak=float(totals["over peak"]),
             speed_limit=train.speed_limit,
             seconds_over_speed=float(totals["over speed"]),
+            gear_loss=float(totals["gear loss"]),
+            gear_life=None if train.life is None else self._life(i, train.life, mean_speed),
         )
+
+    def _life(self, i: int, gear: GearLife, speed: float) -> GearUse:
+        totals = self.integrals.totals
+        travel, wear = float(totals["joint travel"][i]), float(totals["life"][i])
+        torque = (wear / travel) ** (1.0 / gear.exponent) if travel else float(self.gear.score[i])
+        worn = speed > 0.0 and torque > 0.0
+        share = float(np.power(gear.rated_torque / torque, gear.exponent)) if worn else np.inf
+        life = share * gear.rated_life * gear.rated_speed / speed if worn else np.inf
+        return GearUse(life if life < LARGEST else None, torque, speed)
 
 
 class BearingPass:
@@ -204,26 +239,13 @@ class BearingPass:
         return tuple(loads)
 
 
-def frame(axis: Floats) -> Floats:
-    """Return (3, 3) rows u, v and the axis, right-handed. u and v are the coordinate axes that follow the axis in x, y,
-    z, x if it is along one of them (-v if it is against it); otherwise u is at right angles to the axis and to the
-    coordinate axis that it is furthest from."""
-    along = np.abs(axis)
-    if along.max() == 1.0:
-        k = int(along.argmax())
-        u = np.roll(np.eye(3)[k], 1)
-    else:
-        u = np.cross(axis, np.eye(3)[int(along.argmin())])
-        u /= length(u)
-    return np.array([u, np.cross(axis, u), axis])
-
-
 class SizingPass:
     """Gathers what `Sizing` tells, block by block; trains: joints with motors, by their place among `joints`."""
 
-    def __init__(self, model: Model, scene: Scene, joints: Sequence[Joint], rates: slice) -> None:
-        """Args: joints: those whose loads are reported; rates: their entries of tau."""
-        self.model, self.scene, self.rates = model, scene, rates
+    def __init__(self, model: Model, scene: Scene, joints: Sequence[Joint], rates: slice, history: bool) -> None:
+        """Args: joints: those whose loads are reported; rates: their entries of tau; history: keep courses."""
+        self.model, self.scene, self.rates, self.history = model, scene, rates, history
+        self.heat: Heat | None = None
         self.trains = [(k, train) for k, joint in enumerate(joints) if (train := train_of(joint, scene)) is not None]
         self.driven = [k for k, _ in self.trains]
         self.motors = MotorPass([train for _, train in self.trains])
@@ -273,6 +295,9 @@ class SizingPass:
         """Return everything gathered; inertias: what motors accelerate at their peaks, None where nothing drives."""
         duration = self.integrals.duration
         motors = {k: self.motors.load(i, duration, inertias[k]) for i, k in enumerate(self.driven)}
+        if self.motors.heat is not None:
+            self.heat = self.motors.heat.report([loads[k].name for k in self.driven], self.history)
+            motors = {k: replace(motors[k], heat=self.heat.motors.get(i)) for i, k in enumerate(self.driven)}
         joints = tuple(self._joint(k, load, motors.get(k), duration) for k, load in enumerate(loads))
         base = self.base.ranges()
         means = self.integrals.mean("base", np.array([each.greatest for each in base])).tolist()
@@ -280,7 +305,7 @@ class SizingPass:
             FoundationLoad(**vars(each), mean=mean, unit="N" if each.name[0] == "f" else "N m")
             for each, mean in zip(base, means, strict=True)
         ]
-        return Sizing(joints, self.bearings.report(), tuple(foundation))
+        return Sizing(joints, self.bearings.report(), tuple(foundation), self.heat and self.heat.bus)
 
     def _joint(self, k: int, load: JointLoad, motor: MotorLoad | None, duration: float) -> JointSizing:
         totals = self.integrals.totals
@@ -288,7 +313,7 @@ class SizingPass:
         peak = float(self.static.kept["value"][k])
         rms = abs(peak) if still else float(np.sqrt(totals["static square"][k] / duration))
         limited = list(self._limited(k, load, motor))
-        beyond = [each for each in limited if each.value > BEYOND * each.limit]
+        beyond = [x for x in limited if x.value > BEYOND * x.limit or x.quantity == "thermal runaway"]
         beyond.sort(key=lambda each: -float(steady(each.value / each.limit)) if each.limit else -np.inf)
         exceeded = sorted(beyond, key=lambda each: each.level != "over peak")  # what breaks before what wears
         level: Level = exceeded[0].level if exceeded else "OK" if limited else "no limits"
@@ -308,6 +333,19 @@ class SizingPass:
             exceeded=tuple(exceeded),
         )
 
+    def _thermal_limits(self, motor: MotorLoad) -> Iterator[tuple[Any, ...]]:
+        """Yield what keeps a motor from burning: its temperatures, or the RMS torque where nothing tells them."""
+        if (heat := motor.heat) is None:
+            yield "RMS motor torque", motor.rms, motor.continuous_limit, motor.unit, None, None, motor.mean_speed
+            return
+        if heat.winding is None:
+            yield "thermal runaway", heat.winding_once or 0.0, heat.winding_limit, DEGREES
+            return
+        for name in ("winding", "housing"):
+            once, repeated = getattr(heat, f"{name}_once"), getattr(heat, name)
+            hottest = repeated if once is None else max(once, repeated)
+            yield f"{name} temperature", hottest, getattr(heat, f"{name}_limit"), DEGREES
+
     def _limited(self, k: int, load: JointLoad, motor: MotorLoad | None) -> Iterator[Exceeded]:
         """Yield what has a limit, whether that is exceeded or not."""
         rows: list[tuple[Any, ...]] = []
@@ -323,7 +361,7 @@ class SizingPass:
             when = float(gear.time[i]), int(gear.row[i]), None, float(totals["over gear"][i])
             rows += [
                 ("motor speed", abs(motor.max_speed), motor.speed_limit, motor.speed_unit, *fast),
-                ("RMS motor torque", motor.rms, motor.continuous_limit, unit, None, None, motor.mean_speed),
+                *self._thermal_limits(motor),
                 ("gear torque", float(gear.score[i]), given.gear_peak, load.unit, *when),
                 ("mean gear torque", mean, given.gear_average, load.unit),
             ]

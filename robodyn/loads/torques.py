@@ -2,8 +2,8 @@
 
 The room: `accumulate` takes block after block through the recursion and holds the laws against it, `statistics` gathers
 peaks and integrals, `error_bars` tells by how much derived accelerations put them off, `constraints` adds loops and
-contacts, `sizing` tells what motors and bearings bear, `uncertainty` and `uncertain_report` what parameters that are
-uncertain do; here all becomes a `Result`.
+contacts, `sizing` tells what motors and bearings bear, `temperature` how hot motors get, `uncertainty` and
+`uncertain_report` what parameters that are uncertain do; here all becomes a `Result`.
 """
 
 from __future__ import annotations
@@ -85,7 +85,7 @@ def torques(
     )
     with opened as motion:
         file = getattr(motion, "file", None)
-        sized = bool(scene.motor) if sizing is None else sizing
+        sized = bool(scene.motor or scene.gear_life) if sizing is None else sizing
         held: ConstraintPass | None = None
         if scene.constrained:
             from robodyn.loads.constraints import ConstraintPass

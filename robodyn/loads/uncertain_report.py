@@ -204,7 +204,10 @@ class Figures:
             yield self._limit("motor torque", self.peak(at["use"]), 1.0, "of the peak curve")
         if motor.speed_limit is not None:
             yield _sure("motor speed", motor.max_speed, motor.speed_limit, motor.speed_unit)
-        if motor.continuous_limit is not None:
+        if (heat := motor.heat) is not None:  # by the parameters as they are
+            hottest = 2.0 * heat.winding_limit if heat.winding is None else max(heat.winding, heat.winding_once or 0.0)
+            yield _sure("winding temperature", hottest, heat.winding_limit, "degC")
+        elif motor.continuous_limit is not None:
             yield self._limit("RMS motor torque", self.rms(at["motor"]), motor.continuous_limit, motor.unit)
         if given.gear_peak is not None:
             yield self._limit("gear torque", self.peak(at["gear"]), given.gear_peak, joint.unit)

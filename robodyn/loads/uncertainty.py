@@ -10,9 +10,10 @@ import numpy as np
 from robodyn.dynamics.effects.effect import ZeroColumns
 from robodyn.dynamics.plan import plan
 from robodyn.dynamics.regressor import Row, derivative_runner, misfits, summed, variations
-from robodyn.loads.sizing import LEAST, NAMES, Train, allowed, frame, load_torque, motor_torque, points
+from robodyn.loads.sizing import LEAST, NAMES, Train, allowed, load_torque, motor_torque, points
 from robodyn.loads.statistics import Greatest, Integrals
 from robodyn.programs.run.runner import Runner
+from robodyn.programs.vectors import frame
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats, einsum

@@ -95,6 +95,20 @@ def arctan2(y: Array, x: Array) -> Array:
     return np.fromiter(map(math.atan2, y.tolist(), x.tolist()), float, len(y))
 
 
+def frame(axis: Floats) -> Floats:
+    """Return (3, 3) rows u, v and the axis, right-handed. u and v are the coordinate axes that follow the axis in x, y,
+    z, x if it is along one of them (-v if it is against it); otherwise u is at right angles to the axis and to the
+    coordinate axis that it is furthest from."""
+    along = np.abs(axis)
+    if along.max() == 1.0:
+        k = int(along.argmax())
+        u = np.roll(np.eye(3)[k], 1)
+    else:
+        u = np.cross(axis, np.eye(3)[int(along.argmin())])
+        u /= length(u)
+    return np.array([u, np.cross(axis, u), axis])
+
+
 def total(values: Iterable[Scalar]) -> Scalar:
     """Return the sum, from left to right; 0.0 for none."""
     out: Scalar = 0.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
-from robodyn.loads.result import Exceeded, JointLoad, JointSizing, Result, Sizing
+from robodyn.loads.result import DEGREES, Exceeded, JointLoad, JointSizing, MotorLoad, Result, Sizing
 from robodyn.report.document import Facts, Paragraph, Section, Table, paragraphs
 from robodyn.report.sizes import Sizes, result_sizes, speed_unit
 from robodyn.report.table import axis_text, filled, first_names, is_noise, number, percent, printable
@@ -22,11 +22,13 @@ _WORDS = {
     "RMS motor torque": ("the motor's RMS torque", "the continuous curve allows"),
     "gear torque": ("the gear's torque", "the gear bears"),
     "mean gear torque": ("the gear's cubic mean torque", "the gear bears"),
+    "winding temperature": ("the winding's temperature", "it bears"),
+    "housing temperature": ("the motor housing's temperature", "it bears"),
     "effort": ("the joint's torque", "the description allows"),
     "velocity": ("the joint's speed", "the description allows"),
 }
 """Of a quantity what it is, and what limits it."""
-_WORST = ("over peak", "over continuous", "OK", "no limits")
+_WORST = ("over peak", "over temperature", "over continuous", "OK", "no limits")
 _NAMED = 8
 """Joints that are named at most."""
 _MISSING = {"slip": "would slip", "pull": "had to pull", "tip": "would tip over", "fly": "stands on nothing"}
@@ -53,12 +55,13 @@ def sizing_sections(result: Result, sizing: Sizing) -> Iterator[Section]:
             row += [own.moment(motor.peak_time, motor.peak, motor.unit), own.number(motor.rms, motor.unit)]
             row += [own.amount(motor.max_speed, motor.speed_unit), size.number(motor.peak_power, "W")]
             row += [size.number(work, "J") for work in (motor.work_positive, motor.work_negative)]
-            shafts.append([*row, "-" if motor.inertia_ratio is None else f"{motor.inertia_ratio:.3g}"])
+            shafts.append([*row, _ratio(motor)])
     head = ["joint", "duty", "mean speed", "static peak", "static RMS", "hold share"]
     yield [Table("How joints are used", head, rows)] if rows else []
     head = ["joint", "gear", "peak", "at [s]", "RMS", "max speed", "peak power [W]", "work [J]", "returned [J]"]
     title = "Motors, torque and speed at their shafts"
     yield [Table(title, [*head, "inertia ratio"], shafts)] if shafts else []
+    yield from _heat_sections(sizing, size)
     rows = []
     for bearing in sizing.bearings:
         row = [bearing.joint, *(axis_text(axis, "{:.3g}", " ") for axis in bearing.directions)]
@@ -78,45 +81,113 @@ def sizing_sections(result: Result, sizing: Sizing) -> Iterator[Section]:
         rows.append([f"{part.name[0].upper()}{part.name[1:]}", *greatest, *least, size.number(part.mean, part.unit)])
     head = ["", "greatest", "at [s]", "least", "at [s]", "mean"]
     yield [Table("Foundation: ground on robot, in the base's axes", head, rows)]
-    items = []
+    yield from _verdicts(result, sizing)
+
+
+def pose_sizing_sections(result: Result, sizing: Sizing) -> Iterator[Section]:
+    """Yield what motors have to give in one pose, how hot they get if it is held for ever, and a verdict for each."""
+    rows, size = [], result_sizes(result)
+    for joint in sizing.joints:
+        if (motor := joint.motor) is not None:
+            row = [joint.name, f"{motor.gear:.6g}", f"{number(motor.peak)} {motor.unit}"]
+            rows.append([*row, f"{number(motor.max_speed)} {motor.speed_unit}", _ratio(motor)])
+    head = ["joint", "gear", "torque", "speed", "inertia ratio"]
+    yield [Table("Motors, at their shafts", head, rows)] if rows else []
+    hot = [(joint.name, joint.motor.heat) for joint in sizing.joints if joint.motor and joint.motor.heat]
+    rows = []
+    for name, heat in hot:
+        row = ["runs away" if each is None else f"{each:.4g}" for each in (heat.winding, heat.housing)]
+        rows.append([name, *row, f"{heat.winding_limit:g}", size.number(heat.peak_power, "W")])
+    head = ["joint", "winding [degC]", "housing", "winding's limit", "from the DC bus [W]"]
+    yield [Table("Held for ever", head, rows)] if rows else []
+    yield from _verdicts(result, sizing)
+
+
+def _verdicts(result: Result, sizing: Sizing) -> Iterator[Section]:
+    items, pose = [], result.samples == 1
     for load, joint in sorted(
         zip(result.joints, sizing.joints, strict=True), key=lambda pair: _WORST.index(pair[1].level)
     ):
-        nearness = ", ".join(f"{percent(share)} % of {what}" for share, what in uses(load, joint))
+        nearness = ", ".join(f"{percent(share)} % of {what}" for share, what in uses(load, joint, pose))
         known = "OK" if joint.level == "OK" else "no limits are known"
         if not joint.exceeded:
             items.append((joint.name, f"OK: {nearness}" if nearness else known))
         for k, exceeded in enumerate(joint.exceeded):
-            items.append(("" if k else joint.name, f"{exceeded.level.upper()}: {in_words(exceeded)}"))
+            items.append(("" if k else joint.name, f"{exceeded.level.upper()}: {in_words(exceeded, pose)}"))
     if items:
         yield [Paragraph("Verdicts"), Facts(tuple(items))]
 
 
-def uses(load: JointLoad | JointUse, joint: JointSizing | None) -> list[tuple[float, str]]:
+def _heat_sections(sizing: Sizing, size: Sizes) -> Iterator[Section]:
+    """Yield temperatures of motors, what they take from the bus, and the life of gears."""
+    hot, losses, lives = [], [], []
+    for joint in sizing.joints:
+        if (motor := joint.motor) is None:
+            continue
+        if (life := motor.gear_life) is not None:
+            row = [joint.name, size.amount(life.mean_torque, joint.unit), number(life.mean_speed)]
+            lives.append([*row, "-" if life.life is None else f"{life.life:.4g}"])
+        if (heat := motor.heat) is None:
+            continue
+        temperatures = heat.winding_once, heat.winding, heat.housing_once, heat.housing
+        row = ["runs away" if each is None else f"{each:.4g}" for each in temperatures]
+        hot.append([joint.name, *row, f"{heat.winding_limit:g}"])
+        row = [size.number(each, "J") for each in (heat.copper_loss, motor.gear_loss, heat.drawn, heat.returned)]
+        losses.append([joint.name, *row, *(size.number(each, "W") for each in (heat.peak_power, heat.least_power))])
+    head = ["joint", "winding once", "repeated for ever", "housing once", "repeated for ever", "winding's limit"]
+    yield [Table("Temperatures of motors [degC], greatest", head, hot)] if hot else []
+    if (bus := sizing.bus) is not None:
+        row = [size.number(each, "J") for each in (bus.drawn, bus.returned)]
+        row += [size.number(each, "W") for each in (bus.peak_power, bus.least_power)]
+        losses += [["bus", "", "", *row]]
+        head = ["joint", "copper loss [J]", "gear loss [J]", "drawn [J]", "returned [J]", "peak [W]", "least [W]"]
+        without = f", without {first_names(bus.missing, most=4)}" if bus.missing else ""
+        yield [Table(f"DC bus, per cycle in the steady state{without}", head, losses)]
+        yield paragraphs([f"The bus takes {size.number(bus.mean_power, 'W')} W on average."])
+    head = ["gear of", "mean torque", "mean input speed [rad/s]", "life [h]"]
+    yield [Table("Life of gears, at this motion repeated", head, lives)] if lives else []
+
+
+def _ratio(motor: MotorLoad) -> str:
+    return "-" if motor.inertia_ratio is None else f"{motor.inertia_ratio:.3g}"
+
+
+def uses(load: JointLoad | JointUse, joint: JointSizing | None, pose: bool = False) -> list[tuple[float, str]]:
     """Return how much of each limit a joint uses [%], and of which."""
     found: list[tuple[float, float | None, str]] = []
     if joint is not None and (motor := joint.motor) is not None:
         if (near := motor.nearest) is not None:
-            found.append((near.torque, near.limit, f"the peak curve at {near.time:.6g} s"))
-        found.append((motor.rms, motor.continuous_limit, "the continuous torque"))
+            when = "" if pose else f" at {near.time:.6g} s"
+            found.append((near.torque, near.limit, f"the peak curve{when}"))
+        if (heat := motor.heat) is None:
+            found.append((motor.rms, motor.continuous_limit, "the continuous torque"))
+        elif heat.winding is not None:
+            rise = max(each or heat.ambient for each in (heat.winding, heat.winding_once)) - heat.ambient
+            found.append((rise, heat.winding_limit - heat.ambient, "the warming allowed"))
         found.append((abs(motor.max_speed), motor.speed_limit, "the motor's speed"))
     found.append((abs(load.peak), load.effort_limit, "the effort limit"))
     found.append((abs(load.max_speed), load.velocity_limit, "the velocity limit"))
     return [(100.0 * x / limit if limit > 0 else 0.0, what) for x, limit, what in found if limit is not None]
 
 
-def in_words(exceeded: Exceeded) -> str:
-    """Return what is too large, by how much, when, and for how long."""
+def in_words(exceeded: Exceeded, pose: bool = False) -> str:
+    """Return what is too large, by how much, when, and for how long; of a pose, which is held, neither."""
+    if exceeded.quantity == "thermal runaway":
+        why = "held, the pose" if pose else "repeated, the motion"
+        return f"{why} heats the winding ever more (thermal runaway), beyond the {exceeded.limit:g} degC that it bears"
     unit, limit, (what, allowed) = exceeded.unit, exceeded.limit, _WORDS[exceeded.quantity]
+    what = what.replace("RMS ", "").replace("cubic mean ", "") if pose else what
     text = f"{what} is {number(exceeded.value)} {unit}, "
-    text += f"{100 * exceeded.excess / limit:.3g} % above the {number(limit)}" if limit > 0 else "above the 0"
+    share = 100 * exceeded.excess / limit if limit > 0 else 0.0
+    over = f"{exceeded.excess:.3g} K" if unit == DEGREES else f"{share:.3g} %"
+    text += f"{over} above the {number(limit)}" if limit > 0 else "above the 0"
     text += f" {unit} that {allowed}"
     if exceeded.speed is not None:
-        mean = "a mean speed of " if exceeded.time is None else ""
+        mean = "a mean speed of " if exceeded.time is None and not pose else ""
         text += f" at {mean}{number(exceeded.speed)} {'m/s' if unit == 'N' else 'rad/s'}"
-    if exceeded.time is not None:
+    if exceeded.time is not None and not pose:
         text += f"; worst at {exceeded.time:.6g} s (row {exceeded.row})"
-    return text if exceeded.seconds is None else f"{text}, over for {exceeded.seconds:.3g} s in all"
+    return text if exceeded.seconds is None or pose else f"{text}, over for {exceeded.seconds:.3g} s in all"
 
 
 def constraint_sections(found: Constraints, size: Sizes) -> Iterator[Section]:

@@ -23,6 +23,7 @@ from robodyn.report import document as doc
 from robodyn.report import stage
 from robodyn.report.charts import Course, plane_chart, time_chart
 from robodyn.report.equations import action_table
+from robodyn.report.heat import heat_charts
 from robodyn.report.limits import effort_use, limits_verdict, offenders, use_bars, worst_joint
 from robodyn.report.sizes import Sizes, free_body_sizes, result_sizes, speed_unit
 from robodyn.report.table import first_names, gravity_text, is_noise, moment, number, printable
@@ -48,26 +49,27 @@ _NEAR = 0.5
 """A limit is drawn where at least this share of it is reached; it would flatten the curve otherwise."""
 
 
-def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = True) -> doc.Document:
-    """Return the verdict, use of limits, robot and plots if there is a history, and all that the text says."""
-    what = (
-        f"Torques along a motion: {count(len(result.joints), 'joint')}, {count(result.samples, 'sample')}, "
-        f"{result.duration:.6g} s, {gravity_text(result.gravity)}"
-    )
+def torques_page(
+    result: Result, model: Model, scene: Scene, pictures: bool = True, pose: Sequence[doc.Section] = ()
+) -> doc.Document:
+    """Return the verdict, use of limits, robot and plots if there is a history, and all that the text says; of a pose
+    that text, and no plots."""
+    what, of = "in one pose" if pose else "along a motion", count(len(result.joints), "joint")
+    of += "" if pose else f", {count(result.samples, 'sample')}, {result.duration:.6g} s"
+    what = f"Torques {what}: {of}, {gravity_text(result.gravity)}"
     blocks: list[doc.Block] = [limits_verdict(result)]
     head, rows = load_table(result)
     files = [("result.json", torques_json(result)), ("joints.csv", doc.csv_text(head, rows))]
     if pictures and result.history is not None:
-        words = (
-            "The robot along the motion; links are coloured by what their joints use of their limits, red above 100 %"
-        )
+        words = f"The robot {'in the pose' if pose else 'along the motion'}"
+        words += "; links are coloured by what their joints use of their limits, red above 100 %"
         course = Course(result.history.motion)
         shown = stage.robot(model, [motion_of(course, result, model, scene)])
         blocks.append(stage.stage(words, [shown]))
     blocks += use_bars(result)
-    if pictures and result.history is not None:
+    if pictures and result.history is not None and not pose:
         blocks += _charts(result, model, scene, result.history, course)
-    sections = torques_sections(result, explain=True)
+    sections = pose or torques_sections(result, explain=True)
     how = "robodyn torques --format json and --out write it to a file"
     return doc.page(result.robot, what, blocks, sections, "Loads", files, how)
 
@@ -144,6 +146,9 @@ def _charts(result: Result, model: Model, scene: Scene, history: History, course
         charts.append(time_chart("Power of joints", "Power of joints", course.time, power, "W", rows=course.rows))
     yield from doc.titled("Along the motion", [*doc.paragraphs(said), *doc.gallery(charts)])
     yield from doc.titled("Motors", doc.gallery(motors.values()))
+    if result.sizing and history.heat and history.heat.courses:
+        charts = list(heat_charts(result.sizing, history.heat))
+        yield from doc.titled("Temperatures of motors, and the DC bus", doc.gallery(charts))
     peaks = [joint for joint in joints if not is_noise(abs(joint.peak), size[joint.unit])]
     yield from doc.titled("What makes the peaks", _share_bars(peaks))
     if result.constraints is not None and scene.contacts:

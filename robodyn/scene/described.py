@@ -34,7 +34,7 @@ def described(description: Description, scene: Scene) -> tuple[Description, list
     known = {joint.name for joint in joints}
     for name, rotor in scene.rotor.items():
         old = motors.get(name, Transmission(f"{name}_transmission", name))
-        gear = old.reduction if rotor.gear is None else rotor.gear
+        gear = old.reduction if rotor.ratio is None else rotor.ratio
         inertia = old.rotor_inertia if rotor.inertia is None else rotor.inertia
         if name in known:
             motors[name] = replace(old, reduction=gear, rotor_inertia=inertia)

@@ -31,6 +31,7 @@ def check_scene(scene: Scene, model: Model, file: str | None = None) -> None:
     for table, driven in (
         ("[drive]", scene.drive),
         ("[motor]", scene.motor),
+        ("[gear]", scene.gear_life),
         ('"actuated"', scene.actuated or ()),
         ('"passive"', scene.passive),
         ("[weights]", scene.weights),
@@ -110,9 +111,15 @@ def _check_load(scene: Scene, mimicking: Collection[str | None], file: str | Non
 
 
 def _check_rotors(scene: Scene, model: Model, file: str | None) -> None:
-    """Raise unless it is clear which link carries each spinning rotor, and about which axis it spins."""
+    """Raise unless it is clear which link carries each spinning rotor, and about which axis it spins; and where a screw
+    or a pinion drives a joint that turns."""
     for i, body in enumerate(model.bodies):
         joint, rotor = body.joint, scene.rotor.get(body.joint.name)
+        key = "" if rotor is None else "lead" if rotor.lead else "pitch_radius" if rotor.pitch_radius else ""
+        if key and joint.kind != "prismatic":
+            table = "motor" if joint.name in scene.motor else "rotor"
+            what = f'[{table}] {joint.name}: "{key}" is for joints that slide, and this one turns'
+            raise SceneError(what, remedy="give gear, turns of the motor per turn of the joint", file=file)
         if rotor is None or not rotor.spins:
             continue
         where, on = f"[rotor] {joint.name}", rotor.on or joint.link

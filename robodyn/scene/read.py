@@ -84,7 +84,8 @@ def scene_from(values: Mapping[str, Any], sources: Sources) -> Scene:
             what = f'{WHOLE}: "{key}" is no key: the ground is where a [[contact]] of a link stands'
             raise SceneError(what, remedy="give [[contact]] name, link and point or polygon", file=sources[0][1])
     table = TomlTable(values, WHOLE, sources)
-    rotors = {name: entry.read(parts.Rotor) for name, entry in table.tables("rotor")}
+    rotors = {name: _rotor(entry) for name, entry in table.tables("rotor")}
+    motors = {name: _motor(entry, name, rotors) for name, entry in table.tables("motor")}
     contacts = tuple(_contact(entry) for entry in table.list("contact"))
     loops = tuple(_loop(entry) for entry in table.list("loop"))
     for name, count in Counter([*(loop.name for loop in loops), *(contact.name for contact in contacts)]).items():
@@ -100,7 +101,8 @@ def scene_from(values: Mapping[str, Any], sources: Sources) -> Scene:
     return table.read(
         Scene,
         friction={name: _friction(entry) for name, entry in table.tables("friction")},
-        motor={name: _motor(entry, name, rotors) for name, entry in table.tables("motor")},
+        motor=motors,
+        gear_life={name: _gear(entry) for name, entry in table.tables("gear")},
         rotor=rotors,
         coupled=tuple(_coupled(entry) for entry in table.list("coupled")),
         spring={name: entry.read(parts.Spring) for name, entry in table.tables("spring")},
@@ -135,21 +137,36 @@ def _friction(table: TomlTable, **given: Any) -> parts.Friction:
     return table.read(parts.Friction, forward=forward, backward=backward, **given)
 
 
+_OF_ROTORS = ("inertia", "gear", "lead", "pitch_radius")
+
+
+def _rotor(table: TomlTable, **given: Any) -> parts.Rotor:
+    """Return the rotor and the gear that a table says; given: what it does not, for a table that has other keys too."""
+    values = {key: table.field(parts.Rotor, key) for key in ("gear", "lead", "pitch_radius")}
+    if values["gear"] == 0 and (given or values["lead"] or values["pitch_radius"]):
+        raise table.error('"gear" is 0', "turns of the motor per turn of the joint", "gear")
+    if values["lead"] is not None and values["pitch_radius"] is not None:
+        raise table.error('"lead" and "pitch_radius" are both given', "a screw has a lead, a pinion a radius", "lead")
+    return parts.Rotor(**given, **values) if given else table.read(parts.Rotor, **values)
+
+
 def _motor(table: TomlTable, name: str, rotors: dict[str, parts.Rotor]) -> parts.Motor:
     """Return what a data sheet says of a motor; its rotor, which may stand there too, is added to the rotors."""
-    inertia, gear = table.value("inertia", parts.NonNegative, None), table.value("gear", float, None)
-    for key, value in (("inertia", inertia), ("gear", gear)):
-        if value is not None and name in rotors:
-            raise table.error(f'"{key}" and [rotor] {name} say the same', "leave [rotor] out", key)
-    if gear == 0:
-        raise table.error('"gear" is 0', "turns of the motor per turn of the joint", "gear")
-    if (inertia, gear) != (None, None):
-        rotors[name] = parts.Rotor(inertia, gear)
+    if name in rotors and (twice := [key for key in _OF_ROTORS if key in table.values]):
+        raise table.error(f'"{twice[0]}" and [rotor] {name} say the same', "leave [rotor] out", twice[0])
+    rotor = _rotor(table, inertia=table.value("inertia", parts.NonNegative, None), axis=None, on="")
+    if rotor != parts.Rotor(None):
+        rotors[name] = rotor
     unit = _SPEEDS[table.value("speed_unit", Annotated[str, parts.one_of(*_SPEEDS)], "rad/s")]
     continuous, peak = (_curve(table, key, unit) for key in ("continuous", "peak"))
     fastest = table.field(parts.Motor, "max_speed")
+    thermal = table.table("thermal", None, f"[motor.{name}.thermal]")
     motor = table.read(
-        parts.Motor, continuous=continuous, peak=peak, max_speed=None if fastest is None else fastest * unit
+        parts.Motor,
+        continuous=continuous,
+        peak=peak,
+        max_speed=None if fastest is None else fastest * unit,
+        thermal=None if thermal is None else _thermal(thermal),
     )
     if continuous is not None and peak is not None:
         (speeds, torques), (places, limits) = (
@@ -160,6 +177,43 @@ def _motor(table: TomlTable, name: str, rotors: dict[str, parts.Rotor]) -> parts
                 what = f'"continuous" allows {torque:g} at {speed:g} rad/s and "peak" {most:g}'
                 raise table.error(what, f"are they swapped? {_POINTS}", "continuous")
     return motor
+
+
+def _thermal(table: TomlTable) -> parts.Thermal:
+    """Return how a motor heats up; a time constant [s] in place of a capacity is this over the thermal resistance."""
+    given: dict[str, Any] = {}
+    for part, path in (("winding", "winding_housing"), ("housing", "housing_ambient")):
+        time, resistance = table.value(f"{part}_time", parts.Physical, None), table.field(parts.Thermal, path)
+        if time is not None and f"{part}_capacity" in table.values:
+            raise table.error(f'"{part}_time" and "{part}_capacity" say the same', "give one of them", f"{part}_time")
+        capacity = table.field(parts.Thermal, f"{part}_capacity", *([None] if time else []))
+        if time is not None and resistance is not None:
+            capacity = time / resistance
+        given |= {path: resistance, f"{part}_capacity": capacity}
+        if part == "housing" and (resistance is None) != (capacity is None and time is None):
+            what = f'"{path}" is given without "{part}_capacity" or "{part}_time", or these without it'
+            raise table.error(what, "give both, or neither: the housing then stays at ambient")
+    found = table.read(parts.Thermal, **given)
+    for key in ("winding_limit", "housing_limit"):
+        limit = getattr(found, key)
+        if limit is not None and limit <= max(found.ambient, 0.0):
+            what = f'"{key}" is {limit:g} degrees Celsius, and "ambient" {found.ambient:g}'
+            raise table.error(what, "a limit is above 0 and above ambient", key)
+    for key, rate in (("resistance", found.resistance_coefficient), ("torque_constant", found.torque_coefficient)):
+        for where in ("ambient", "start"):
+            temperature = getattr(found, where)
+            if temperature is not None and 1.0 + rate * (temperature - found.reference) <= 0.0:
+                what = f'"{key}" is not positive at {temperature:g} degrees Celsius, "{where}"'
+                raise table.error(what, f'are its coefficient, {rate:g} per K, and "reference" right?', where)
+    return found
+
+
+def _gear(table: TomlTable) -> parts.GearLife:
+    life = table.table("life", what=f"{table.what} life")
+    table.finish()
+    unit = _SPEEDS[life.value("speed_unit", Annotated[str, parts.one_of(*_SPEEDS)], "rad/s")]
+    found: parts.GearLife = life.read(parts.GearLife, rated_speed=unit * life.field(parts.GearLife, "rated_speed"))
+    return found
 
 
 def _curve(table: TomlTable, key: str, unit: float) -> float | parts.Curve | None:

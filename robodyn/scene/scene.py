@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from math import pi
 from typing import TYPE_CHECKING, Annotated, Any
 
 from robodyn.support.frozen import FrozenValue
@@ -45,6 +46,10 @@ _Efficiency = Annotated[float, Rule(lambda x: 0.0 < x <= 1.0, "a share above 0 a
 _Areas = Annotated[Vector, Rule(lambda areas: min(areas) >= 0.0, "positive or zero: drag opposes motion by itself")]
 _ForcesWeight = Annotated[float, Rule(lambda x: x > 0.0, "it is positive: torques alone leave forces open")]
 IfKnown = Annotated[float, Rule(lambda x: x > 0.0, "it is positive; leave it out if it is not known")]
+Physical = Annotated[float, Rule(lambda x: 1e-12 <= x <= 1e12, "positive, in SI units: 1e-12 to 1e12")]
+_Celsius = Annotated[float, Rule(lambda x: -273.15 <= x <= 1000.0, "degrees Celsius, such as 25")]
+_Copper = Annotated[float, Rule(lambda x: 0.0 <= x <= 0.02, "1/K, such as 0.00393 of copper, or 0")]
+_Magnet = Annotated[float, Rule(lambda x: -0.02 <= x <= 0.0, "1/K, such as -0.001: hot magnets are weaker; or 0")]
 
 
 @dataclass(frozen=True)
@@ -76,7 +81,9 @@ class Rotor(FrozenValue):
     Attributes:
         inertia: about its own axis [kg m^2]; None: that of the transmission, else 0.
         gear: turns of the motor per turn of the joint (rad/m if prismatic); None: that of the transmission, else 1.
-        axis: about which it spins at gear qd, in the axes of the link `on`; None: the joint's.
+        lead, pitch_radius: of the screw or the pinion that drives a prismatic joint: metres per turn, or radius [m];
+            `gear` then is turns of the motor per turn of it, 1 if None.
+        axis: about which it spins at ratio qd, in the axes of the link `on`; None: the joint's.
         on: the link that carries it; "": the joint's parent.
     """
 
@@ -84,6 +91,16 @@ class Rotor(FrozenValue):
     gear: float | None = None
     axis: Vector | None = None
     on: str = ""
+    lead: Positive | None = None
+    pitch_radius: Positive | None = None
+
+    @property
+    def ratio(self) -> float | None:
+        """Turns of the motor per turn of the joint, rad/m of a slide; None if only the transmission says it."""
+        turns = 1.0 if self.gear is None else self.gear
+        if self.lead is not None:
+            return turns * 2.0 * pi / self.lead
+        return self.gear if self.pitch_radius is None else turns / self.pitch_radius
 
     @property
     def spins(self) -> bool:
@@ -194,6 +211,48 @@ class LimitSpring(FrozenValue):
 
 
 @dataclass(frozen=True)
+class Thermal(FrozenValue):
+    """A motor's winding and housing as two heat capacities, and what heats them: the winding's loss R (T / k)^2, with
+    `R = resistance (1 + resistance_coefficient (t - reference))` and k from `torque_constant` in the same way.
+
+    Attributes:
+        resistance, torque_constant: [ohm, N m/A] at the temperature `reference`, of one and the same current.
+        resistance_coefficient, torque_coefficient: of the winding's metal and of the magnets [1/K].
+        winding_housing, housing_ambient: thermal resistances [K/W].
+        winding_capacity, housing_capacity: [J/K]. Without those of the housing it stays at `ambient`.
+        start: of winding and housing; None: at `ambient`. All temperatures in degrees Celsius.
+        winding_limit, housing_limit: what they bear for ever.
+        drive_efficiency: of the servo drive between motor and DC bus.
+    """
+
+    resistance: Physical
+    torque_constant: Physical
+    winding_housing: Physical
+    winding_capacity: Physical
+    winding_limit: _Celsius
+    housing_ambient: Physical | None = None
+    housing_capacity: Physical | None = None
+    housing_limit: _Celsius | None = None
+    reference: _Celsius = 25.0
+    resistance_coefficient: _Copper = 0.00393
+    torque_coefficient: _Magnet = 0.0
+    ambient: _Celsius = 25.0
+    start: _Celsius | None = None
+    drive_efficiency: _Efficiency = 1.0
+
+
+@dataclass(frozen=True)
+class GearLife(FrozenValue):
+    """Life of a gear, `rated_life (rated_speed / speed) (rated_torque / torque)^exponent`: hours at a torque of its
+    output [N m or N] and a speed of its input [rad/s]."""
+
+    rated_life: Physical
+    rated_torque: Physical
+    rated_speed: Physical
+    exponent: Annotated[float, Rule(lambda x: 1.0 <= x <= 20.0, "such as 3, or 10/3: from 1 to 20")] = 3.0
+
+
+@dataclass(frozen=True)
 class Motor(FrozenValue):
     """What drives a joint. Rotor inertia and gear ratio stand in the scene's `Rotor` of the joint.
 
@@ -205,6 +264,7 @@ class Motor(FrozenValue):
         continuous, peak: the torque that it may give for ever and for moments: one for all speeds, or a curve.
         max_speed: None: where the curve `peak` ends.
         gear_average, gear_peak: what the gear bears at the joint as cubic mean and at the most [N m or N].
+        thermal: how it heats up; with it the winding's temperature is judged in place of the RMS torque.
     """
 
     efficiency: _Efficiency = 1.0
@@ -213,6 +273,7 @@ class Motor(FrozenValue):
     max_speed: IfKnown | None = None
     gear_average: IfKnown | None = None
     gear_peak: IfKnown | None = None
+    thermal: Thermal | None = None
 
 
 @dataclass(frozen=True)
@@ -300,7 +361,7 @@ class Scene(FrozenValue):
     Attributes:
         gravity: m/s^2, in the axes of the ground (of a fixed base).
         friction: by joint; replaces what the description says of that joint.
-        rotor, spring, motor: by joint.
+        rotor, spring, motor, gear_life: by joint.
         immersed: links in a fluid of `fluid_density` [kg/m^3] that streams at `fluid_velocity` [m/s, ground's axes].
         moving_base: the base follows the trajectory's base_* columns; in a simulation it is free.
         held: something carries the base, whatever that takes: a bolted stand, or a vehicle under a base that moves.
@@ -350,6 +411,7 @@ class Scene(FrozenValue):
     motor: Mapping[str, Motor] = field(default_factory=dict)
     uncertainty: Uncertainty | None = None
     coupled: tuple[CoupledMotor, ...] = ()
+    gear_life: Mapping[str, GearLife] = field(default_factory=dict)
 
     def __hash__(self) -> int:
         return self._hash

@@ -49,6 +49,9 @@ def _sections(model: Model) -> Iterator[tuple[str, Sequence[str]]]:
         return {"efficiency": 1.0, "continuous": peak, "peak": peak, "max_speed": speed}
 
     yield _MOTOR, _of_each("motor", own, motor)
+    if own:
+        yield _THERMAL, [f"motor.{toml_key(own[0].name)}.thermal = {{ {_WINDING} }}"]
+        yield _GEAR, [f"gear.{toml_key(own[0].name)}.life = {{ {_RATED} }}"]
     if len(own) > 1:
         shares = ", ".join(f"{toml_key(joint.name)} = 1.0" for joint in own[-2:])
         yield _COUPLED, [f'coupled = [{{ name = "motor", joints = {{ {shares} }}, inertia = 0.0001, gear = 100.0 }}]']
@@ -84,7 +87,16 @@ _SLIP = "Coulomb friction grows over this speed, rad/s: f qd / sqrt(qd^2 + slip_
 _ROTOR = "Rotors add gear^2 inertia to a joint: kg m^2 about the motor's axis, gear its turns for one of the joint."
 _SPIN = "Rotors whose gyroscopic moments count: on the link that carries them, axis in its axes; one is enough."
 _MOTOR = """Data sheets of motors, by which torques judges them: peak and continuous N m at the motor's shaft, a number
-or [[speed, torque], ...]; max_speed rad/s; efficiency of the gear; gear and inertia here or in rotor."""
+or [[speed, torque], ...]; max_speed rad/s; efficiency of the gear; gear and inertia here or in rotor; slides may have
+lead m per turn or pitch_radius m."""
+_THERMAL = """How a motor heats up: ohm, N m/A, K/W, J/K, degrees Celsius; beside a data sheet [motor.JOINT.thermal].
+torques then tells its temperatures along the motion and repeated for ever, and the power on the DC bus."""
+_GEAR = "Lives of gears whose ratio is known: h at this torque of the output N m and this speed of the input rad/s."
+_RATED = "rated_life = 7000.0, rated_torque = 50.0, rated_speed = 200.0"
+_WINDING = (
+    "resistance = 1.0, torque_constant = 0.1, winding_housing = 1.0, housing_ambient = 5.0, winding_capacity = 10.0, "
+    "housing_capacity = 500.0, winding_limit = 155.0"
+)
 _COUPLED = "Motors that turn with a sum of joints, coefficient times speed, as in wrists: inertia kg m^2, gear."
 _SPRING = "Springs that pull a joint towards rest: stiffness N m/rad, rest rad."
 _PAYLOAD = "Masses fixed to links: mass kg, com m, inertia [ixx, ixy, ixz, iyy, iyz, izz] kg m^2 about it."

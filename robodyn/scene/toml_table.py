@@ -29,7 +29,7 @@ WHOLE = "the scene"
 OF_THE_SCENE = (
     *("gravity", "friction", "slip_speed", "rotor", "motor", "coupled", "spring", "payload", "wrench", "fluid", "base"),
     *("initial", "drive", "between_rows", "joint_limits", "limit_spring", "loop", "baumgarte"),
-    *("actuated", "passive", "share", "weights", "contact", "contact_cost", "uncertainty"),
+    *("actuated", "passive", "share", "weights", "contact", "contact_cost", "uncertainty", "gear"),
 )
 """The keys that stand above all tables, or are tables themselves."""
 _WRITTEN = {3: "write {} = [x, y, z]", 6: "write {} = [ixx, ixy, ixz, iyy, iyz, izz]"}

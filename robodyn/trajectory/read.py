@@ -19,13 +19,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robodyn.errors import Caveat, TrajectoryError
+from robodyn.errors import Caveat, InputError, TrajectoryError
+from robodyn.robot.kinematics import Values, configuration, rates
 from robodyn.robot.model import Joint, Model
 from robodyn.scene.fit import refuse_others
 from robodyn.scene.scene import DEFAULT as EMPTY
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
-from robodyn.support.wording import count
+from robodyn.support.wording import count, listed
 from robodyn.trajectory.columns.layout import ABSENT, Header, listing, resolve
 from robodyn.trajectory.columns.signals import AngleUnit, Kind, Signal, Signals, TimeUnit, matrix_column
 from robodyn.trajectory.derivatives.groups import anew, given, missing
@@ -155,6 +156,24 @@ def motion(
     refuse_others(model, scene)
     reading = Reading(derivatives, time_unit=time_unit, angle_unit=angle_unit, encoder_error=encoder_error)
     return from_arrays(signals(model, scene), time, q, qd, qdd, columns, reading)
+
+
+def pose(model: Model, q: Values = (), qd: Values = (), qdd: Values = (), scene: Scene = EMPTY) -> Trajectory:
+    """Return one state as a motion of one sample: values in order or by name [rad or m, per s, per s^2], 0 if left out.
+
+    Raises:
+        InputError: as `configuration` and `rates`; or the scene needs columns of a trajectory, which a pose has not.
+    """
+    if scene.motion_columns:
+        what = f"the scene names columns of a trajectory, {listed(scene.motion_columns)}, which a pose has not"
+        raise InputError(what, remedy="give numbers in the scene, or a trajectory")
+    state = configuration(model, q), rates(model, qd or ()), rates(model, qdd or ())
+    if isinstance(q, Mapping) and scene.loops:  # which tell the other joints
+        parts = [dict(part) if isinstance(part, Mapping) else {} for part in (q, qd, qdd)]
+        still = dict.fromkeys(parts[0], 0.0)
+        given = [{name: [x] for name, x in part.items()} for part in (parts[0], still | parts[1], still | parts[2])]
+        return motion(model, [0.0], *given, scene=scene)
+    return motion(model, [0.0], *(each[None] for each in state), scene=scene)
 
 
 def sources_of(block: Trajectory, scene: Scene) -> dict[str, Floats]:

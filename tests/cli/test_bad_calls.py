@@ -65,8 +65,8 @@ PLANAR = "robots/two_link_planar.urdf robots/two_link_planar_swing_down.toml"
 CALLS: dict[str, str] = {
     # commands and options
     "torqes": "there is no command 'torqes'; did you mean 'torques'? (try: robodyn --help)",
-    "zebra": "there is no command 'zebra'; commands: 'torques', 'simulate', 'inertia', 'check', 'fbd', 'equations', "
-    "'linearize', 'export', ... (20 in all) (try: robodyn --help)",
+    "zebra": "there is no command 'zebra'; commands: 'torques', 'retime', 'envelope', 'size', 'simulate', 'inertia', "
+    "'check', 'fbd', ... (22 in all) (try: robodyn --help)",
     "--verson": "no such option '--verson'; did you mean '--version'? (try: robodyn --help)",
     "torques": "missing argument 'URDF' (try: robodyn torques --help)",
     "torques arm.urdf arm.csv --gravty 0,0,0": "no such option '--gravty'; did you mean '--gravity'? (try: robodyn tor",
@@ -134,7 +134,17 @@ CALLS: dict[str, str] = {
     "inertia part.stl --shell inf": "a thickness of inf m is not positive and finite",
     "inertia part.stl --density 1 --mass 2": "both a density and a mass are given (give one of them)",
     "accuracy part.stl --target nan": "invalid value for '--target': nan is no positive finite number",
+    "envelope arm.urdf --payload tool@1,2": "invalid value for '--payload': 'tool@1,2' is not LINK or LINK@X,Y,Z",
+    "envelope arm.urdf --box elbow=1..x": "invalid value for '--box': elbow=1..x: elbow=1..x is no range, such as",
+    "envelope arm.urdf --box no.toml": "invalid value for '--box': 'no.toml' is not JOINT=LEAST..LARGEST, nor a file",
+    "envelope arm.urdf --payload a --payload b": "--payload looks for one mass; give the others as LINK=KG",
     "linearize arm.urdf --step 0": "invalid value for '--step': 0 is no positive finite number (try: robodyn linearize",
+    "retime arm.urdf arm.csv --speed fast": "invalid value for '--speed': 'fast' is no share, such as 80% or 0.8",
+    "retime arm.urdf arm.csv --speed 0%": "speed is 0 % (more than 0 %, at most 100 % of the velocity limits)",
+    "retime arm.urdf arm.csv --grid 5": "a grid of 5 intervals (10 to 50000)",
+    "retime arm.urdf arm.csv --acceleration elbo=1": "acceleration: there is no joint 'elbo' (did you mean 'elbow'?)",
+    "retime arm.urdf arm.csv --jerk 1 --profile trapezoid": "a trapezoid has no limit of jerk (--profile scurve)",
+    f"retime robots/crank_slider.urdf arm.csv {PUMP.partition(' ')[2]}": f"robots/crank_slider_pump.toml: {TREES[:22]}",
     "excite arm.urdf --seed -1": "invalid value for '--seed': -1 is less than 0",
     "excite arm.urdf --noise 0": "noise is 0 (it is positive [N m, N])",
     "excite arm.urdf --harmonics 1": "1 harmonics: one cannot begin and end at rest",
@@ -331,7 +341,7 @@ def test_help_of_torques_is_in_groups() -> None:
     text = run("torques", "--help").out
     titles = re.findall(r"^(\S.*):$", text, re.MULTILINE)
     assert titles[:2] == ["The robot and what surrounds it", "The trajectory"]
-    assert len(titles) == 7
+    assert len(titles) == 8
     assert titles[-1] == "Other options"
     assert text.partition("Other options:\n")[2].strip().startswith("-h, --help")
     for option in (name for each in torques.params for name in each.opts if name.startswith("--")):

@@ -30,6 +30,7 @@ COMMANDS = {
     "fbd": ("fbd", "ROBOT", "--at", "0.1,0.2"),
     "equations": ("equations", "ROBOT", "--at", "0.1,0.2"),
     "linearize": ("linearize", "ROBOT", "--at", "0.1,0.2"),
+    "envelope": ("envelope", "ROBOT"),
     "excite": ("excite", "ROBOT", "--joints", "shoulder"),
     "info": ("info", "ROBOT"),
     "check": ("check", "ROBOT", "--statistics"),

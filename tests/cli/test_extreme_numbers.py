@@ -49,6 +49,7 @@ COMMANDS = [
     ("fbd", "robot.urdf"),
     ("equations", "robot.urdf", "--form", "dae"),
     ("linearize", "robot.urdf", "--scene", "scene.toml"),
+    ("envelope", "robot.urdf", "--scene", "scene.toml", "--format", "json"),
 ]
 NUMBER = re.compile(r"(?<=[ \"\[>])-?\d+(?:\.\d+)?(?=[ \"\],<\n])")
 STL = ascii_stl(tetrahedron(((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1))), number="%g").decode()

@@ -26,6 +26,7 @@ _DESCRIPTION = [
     ("torques", "X", "arm.csv", "--hold", "rest", "--ignore-extra"),
     ("fbd", "X"),
     ("linearize", "X"),
+    ("envelope", "X"),
     ("export", "X", "--to", "c"),
     ("convert", "X", "--to", "mjcf", "--out", os.devnull),
     ("convert", "X", "--to", "urdf", "--out", os.devnull),

@@ -25,9 +25,11 @@ ARGUMENTS = {
     "check": ["arm.urdf"],
     "fbd": ["arm.urdf"],
     "equations": ["arm.urdf"],
+    "envelope": ["arm.urdf"],
     "linearize": ["arm.urdf"],
     "export": ["arm.urdf", "--to", "c"],
     "convert": ["arm.urdf", "--to", "mjcf", "--out", "arm.xml"],
+    "retime": ["arm.urdf", "arm.csv"],
     "excite": ["arm.urdf"],
     "identify": ["arm.urdf", "log.csv"],
     "info": ["arm.urdf"],
@@ -48,6 +50,7 @@ READ = {
     "--map": "map.toml",
     "--catalog": "motors.csv",
     "--gears": "gears.csv",
+    "--box": "box.toml",
 }
 BESIDE = {"fbd": {"--traj": ["--time", "0"]}}
 """What else an option asks for."""
@@ -109,6 +112,7 @@ def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     Path("scene.toml").write_text("gravity = [0, 0, -9.81]\n")
     Path("settings.toml").write_text("[tool.robodyn.check]\nignore = []\n")
     Path("robodyn.toml").write_text("[tool.robodyn.check]\nignore = []\n")
+    Path("box.toml").write_text("elbow = [0.0, 0.5]\n")
     Path("map.toml").write_text('q_elbow = "q_elbow"\n')
     Path("base.json").write_text('{"robodyn_baseline": 1, "findings": []}')
 

@@ -32,6 +32,21 @@ PIECES = {
         ("behind(relative(first, outer), inner)", "behind(outer, inner)")
     ],
     ("checks/test_config.py", "checks/catalogue.py"): [("not select or DEFAULT in select", "not select")],
+    ("sizing/test_temperature.py", "loads/temperature.py"): [
+        ("thermal.winding_housing * thermal.housing_capacity", "thermal.winding_housing * thermal.winding_capacity"),
+        ("factor - slope * inside", "factor"),
+        ("second[:, :1] * first[:1]", "first[:, :1] * second[:1]"),
+        ("1.0 / thermal.drive_efficiency", "thermal.drive_efficiency"),
+        ("np.add.reduceat(whole, np.arange(0, whole.shape[1], 2), axis=1)", "whole[:, ::2]"),
+        ("a + d < 0.0 and det > 0.0", "True"),
+    ],
+    ("sizing/test_gears_screws_and_poses.py", "loads/sizing.py"): [
+        ("carried**self.exponents", "carried"),
+        ("gear.rated_torque / torque", "torque / gear.rated_torque"),
+    ],
+    ("sizing/test_gears_screws_and_poses.py", "scene/scene.py"): [
+        ("turns * 2.0 * pi / self.lead", "turns / self.lead")
+    ],
     ("dynamics/test_golden.py", "dynamics/recursions/newton_euler.py"): [
         ("joint.R.T @ wd_j + cross(w_in, joint.w) + joint.wd", "joint.R.T @ wd_j + joint.wd"),
         ("2.0", "1.0"),
@@ -348,6 +363,32 @@ PIECES = {
     ],
     ("equations/linearized/test_closed_chains.py", "equations/linearized/linearize.py"): [
         ("np.hstack((-stiffness, -damping, N.T))", "np.hstack((-stiffness, -damping, np.eye(len(N))[: len(M)]))")
+    ],
+    ("sizing/test_retime.py", "sizing/reachability.py"): [
+        ("rows.a[1] + 2.0 * steps[:, None] * rows.b[1]", "rows.a[1]"),
+        ("up, level, falls = reach, after * half, half", "up, level, falls = reach, after * half, 0.5 * half"),
+    ],
+    ("sizing/test_retime.py", "sizing/along.py"): [
+        ("with_x - c", "with_x"),
+        ("ends.c + rub - slope * near[..., None]", "ends.c + rub"),
+        ("share_kept * level - sign * c_row", "share_kept * level"),
+    ],
+    ("sizing/test_retime.py", "sizing/path.py"): [("-turn / (2.0 * (2.0 * r) ** 3)", "-turn / ((2.0 * r) ** 3)")],
+    ("sizing/test_retime.py", "sizing/retime.py"): [
+        ("first * u + second * sd * sd", "first * u"),
+        ("a / j if given else ramp * rise", "0.5 * a / j if given else ramp * rise"),
+        ("(now - then) / width", "now / width"),
+    ],
+    ("sizing/test_envelope.py", "sizing/directions.py"): [
+        ("most + self.bulge * (np.maximum(most, 0.0) + np.maximum(back, 0.0))", "most"),
+        ("moved + max(first + second - 1.0, 0.0) * back", "moved"),
+        ("np.roll(support[self.rows // 2], self.columns // 4)", "support[self.rows // 2]"),
+        ("0.5 * np.tan(aside) / tan(self.step / 2.0)", "0.4 * np.tan(aside) / tan(self.step / 2.0)"),
+    ],
+    ("sizing/test_envelope.py", "sizing/recursion.py"): [
+        ("lattice.opposite(one) if joint.multiplier < 0.0 else one", "one"),
+        ("weight * product(joint.p, w) + self.lattice.at(self.turned[i], mix)", "self.lattice.at(self.turned[i], mix)"),
+        ("value - self.added.get(key, 0.0) + margin", "value + margin"),
     ],
 }
 MUTATIONS: dict[str, list[tuple[str, str, str]]] = {}

@@ -47,14 +47,23 @@ TABLES_OF_SCENE = (
     '[fluid]\ndensity = 1\n[[fluid.link]]\nlink = "l"\nKEY',
     "[base]\nKEY",
     "[motor]\nj = {KEY}",
+    "[motor.j.thermal]\n"
+    "resistance = 1\ntorque_constant = 1\nwinding_housing = 1\nwinding_capacity = 1\nwinding_limit = 99\nKEY",
+    "[gear.j.life]\nrated_life = 1\nrated_torque = 1\nrated_speed = 1\nKEY",
     "[limit_spring]\nstiffness = 1\nKEY",
     '[[contact]]\nname = "c"\nlink = "l"\nKEY',
 )
-ELSEWHERE = ("KEY", '[[payload]]\nlink = "l"\nmass = 1\nKEY', '[[wrench]]\nlink = "l"\nKEY', "[base]\nKEY")
+ELSEWHERE = (
+    "KEY",
+    '[[payload]]\nlink = "l"\nmass = 1\nKEY',
+    '[[wrench]]\nlink = "l"\nKEY',
+    "[base]\nKEY",
+    *TABLES_OF_SCENE[10:12],
+)
 """Tables of a scene that do not say what acts in joints and on links."""
 LONG = (
     *("identify", "feet_on_the_ground", "reports", "many_trajectories", "measured_logs", "export", "first_torques"),
-    *("closed_chains", "uncertainty", "lint_in_ci", "linearize", "excite", "motor_sizing", "weighing_a_part"),
+    *("closed_chains", "uncertainty", "lint_in_ci", "linearize", "excite", "retime", "motor_sizing", "weighing_a_part"),
     *("mass_properties", "check_descriptions", "derivatives", "README", "other_formats", "glance"),
 )
 """Pages whose examples compute for seconds."""

@@ -25,11 +25,13 @@ COMMANDS = (
     ("info", "info robots/gripper.urdf"),
     ("diff", "diff robots/puma560.urdf robots/puma.urdf"),
     ("size", "size robots/scara.urdf robots/scara_pick_and_place.csv --catalog robots/catalogue/motors.csv"),
+    ("retime", "retime robots/puma560.urdf robots/puma560_waypoints.csv --grid 100"),
     ("fbd", "fbd robots/scara.urdf --at 0.3,-0.5,0.05 --qdd elbow=2"),
     ("equations", "equations robots/puma560.urdf"),
     ("equations_closed", "equations robots/two_link_planar.urdf --form closed"),
     ("equations_dae", "equations robots/gripper.urdf --form dae"),
     ("linearize", "linearize robots/two_link_planar.urdf --equilibrium"),
+    ("envelope", "envelope robots/puma560.urdf --payload flange --samples 100"),
 )
 
 SLOW = (
@@ -37,6 +39,8 @@ SLOW = (
     ("torques", "torques robots/scara.urdf robots/scara_pick_and_place.csv --explain --accuracy 1e-9"),
     ("torques", f"{SWEEP} --scene robots/puma560_sizing.toml --momentum"),
     ("torques", f"{SWEEP} --scene robots/puma560_uncertain.toml"),
+    ("torques", f"{SWEEP} --scene robots/puma560_sizing.toml --scene robots/puma560_heat.toml"),
+    ("torques", "torques robots/puma560.urdf --at elbow=0.5 --scene robots/puma560_sizing.toml"),
     ("torques", "torques robots/crank_slider.urdf robots/crank_slider_turn.csv --scene robots/crank_slider_turn.toml"),
     ("simulate", TUMBLE),
     ("simulate", "simulate robots/puma560.urdf --scene robots/puma560_power_cut.toml --duration 0.1"),
@@ -47,6 +51,7 @@ SLOW = (
     ("linearize", "linearize robots/puma.urdf --scene robots/puma_servo.toml --step 0.01"),
     ("linearize", "linearize robots/puma.urdf --qd 1,2,3"),
     ("linearize", "linearize robots/crank_slider.urdf --scene robots/crank_slider_pump.toml"),
+    ("retime", "retime robots/puma560.urdf robots/puma560_sweep.csv --grid 100 --payload flange=1000"),
     ("excite", "excite robots/two_link_planar.urdf --joints elbow"),
     ("torques_measured", f"torques {TX40} --measured --cutoff 20"),
     ("identify", f"identify {TX40} --cutoff 40"),

@@ -25,6 +25,7 @@ ARGUMENTS = ("--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftsh
 MOTIONS = {
     "fixed": "torques puma560.urdf puma560_sweep.csv",
     "motors": "torques puma560.urdf puma560_sweep.csv --scene puma560_sizing.toml",
+    "heat": "torques puma560.urdf puma560_sweep.csv --scene puma560_sizing.toml --scene puma560_heat.toml",
     "prismatic": "torques scara.urdf scara_pick_and_place.csv",
     "mimic": "torques gripper.urdf gripper_pick.csv --scene gripper.toml",
     "floating": "torques satellite.urdf satellite_slew.csv --scene satellite.toml",
@@ -40,6 +41,8 @@ CALLS = MOTIONS | {
     "check": "check puma560.urdf",
     "simulate": "simulate two_link_planar.urdf --scene two_link_planar_swing_down.toml --duration 0.2",
     "linearize": "linearize two_link_planar.urdf --equilibrium",
+    "retime": "retime puma560.urdf puma560_waypoints.csv --scene puma560_sizing.toml",
+    "envelope": "envelope puma560.urdf",
     "excite": "excite pendulum.urdf",
     "identify": "identify tx40.urdf log.parquet --cutoff 40",
     "accuracy": "accuracy meshes/bracket.stl --target 1e-6",

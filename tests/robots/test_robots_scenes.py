@@ -9,6 +9,7 @@ from robodyn.scene.fit import check_scene
 from robodyn.scene.read import load_scene
 
 MOTIONS = {
+    "puma560_heat": "puma560_sweep",
     "puma560_motors": "puma560_sweep",
     "puma560_sizing": "puma560_sweep",
     "puma560_uncertain": "puma560_sweep",

@@ -70,7 +70,9 @@ def _inside(value):
 def test_nothing_in_a_scene_can_be_edited():
     """The field cannot be set, its mapping not be written to, and nothing that it holds is a list, dict or array."""
     mappings = [field.name for field in fields(Scene) if hasattr(getattr(EVERYTHING, field.name), "items")]
-    assert {"friction", "rotor", "spring", "drive", "motor", "initial_q", "initial_qd", "weights"} == set(mappings)
+    assert {"friction", "rotor", "spring", "drive", "motor", "gear_life", "initial_q", "initial_qd", "weights"} == set(
+        mappings
+    )
     for field in fields(Scene):
         with pytest.raises(FrozenInstanceError):
             setattr(EVERYTHING, field.name, getattr(DEFAULT, field.name))

@@ -242,7 +242,7 @@ def test_a_gear_alone_leaves_the_inertia_of_the_description():
 
 UNKNOWN = {
     "gravty = [0, 0, 0]": (
-        *("gravity", "friction", "rotor", "spring", "payload", "wrench", "fluid", "base", "motor", "coupled"),
+        *("gravity", "friction", "rotor", "spring", "payload", "wrench", "fluid", "base", "motor", "gear", "coupled"),
         *("slip_speed", "initial", "drive", "joint_limits", "loop", "baumgarte", "between_rows", "limit_spring"),
         *("actuated", "passive", "share", "weights", "contact", "contact_cost", "uncertainty"),
     ),

@@ -172,7 +172,10 @@ def test_example_motions_are_not_doubted(path: Path) -> None:
     assert motion(model, time[:: len(time) // 100], q, qd, qdd).caveats == ()
 
 
-@pytest.mark.parametrize("table", sampled(sorted(FOLDER.glob("*.csv")), 8), ids=lambda path: path.stem)
+TABLES = [path for path in sorted(FOLDER.glob("*.csv")) if path.read_text().startswith(("time,", "t,"))]
+
+
+@pytest.mark.parametrize("table", sampled(TABLES, 8), ids=lambda path: path.stem)
 def test_our_tables_are_not_doubted(table: Path) -> None:
     moving = "base_" in table.read_text().partition("\n")[0]
     name = next(name for name in names() if table in belonging(name, ".csv"))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from math import degrees
 
 import numpy as np
@@ -12,135 +12,21 @@ from robodyn.checks.bodies.contacts import detached
 from robodyn.checks.examples import INERTIA, arm
 from robodyn.checks.rule import ERROR, MODEL, NOTE, WARNING, Context, Fault, Faults, rule
 from robodyn.checks.rules.ranges import of_numbers
-from robodyn.programs.vectors import arctan2, length, narrowed, product, skew
+from robodyn.programs.vectors import length, narrowed, product, skew
 from robodyn.robot.kinematics import body_poses
 from robodyn.robot.model import Joint, Model
+from robodyn.sizing.directions import lattice
+from robodyn.sizing.recursion import Key, Recursion, weight_of
 from robodyn.support.floats import Floats, first_largest
 from robodyn.support.wording import figure
 
-_NOTHING = 1e-12  # first moments that are no more than this, by the robot's mass, are rounding [m]
-STARTS = 4
+ROWS = 16  # of the lattice
 MOST_BODIES = 150
 """Of larger robots the poses are not looked at: the work grows with the square of the number, or faster."""
-SWEEPS = 10
 GRAVITY = 9.81
-_CONVERGED = 1e-3
+_SWEEPS = 6  # in which each joint is given its best position
 _LEAST_LEVER = 0.05
 _WORTH = 1e-2  # s; damping that is slower than this on the body's own inertia is of no interest
-
-
-class Sweep:
-    """Poses in rows: for each target half of its rows raise its torque, half lower it, all from `starts`. The torque of
-    gravity about the joint of body t, divided by g, is y . Rot(a_j, q_j) x in the angle of each joint j that matters,
-    plus a constant, with x in the axes of body j and y in those of the joint. At t and above, x is v = a_t x sum m (c -
-    p_t) and y points up (u). Below t, x is the first moment h = sum m (c - p_j) of what joint j carries and y is w = u
-    x a_t. A row's v is zero beside and below its target, its w beside and above."""
-
-    def __init__(self, model: Model, targets: Sequence[int], low: Floats, high: Floats, free: Floats) -> None:
-        self._bodies, self._low, self._high, self._free = model.bodies, low, high, free
-        self._carried = np.array([body.inertia.m for body in model.bodies])
-        for i in reversed(range(1, len(model.bodies))):
-            self._carried[model.parents[i]] += self._carried[i]
-        self._relevant = around(model.parents, frozenset(targets))
-        self._rows = {t: slice(k * 2 * STARTS, (k + 1) * 2 * STARTS) for k, t in enumerate(targets)}
-        self.q = np.tile(starts(low, high).T, (1, 2 * len(targets)))
-        self._sign = np.tile(np.repeat((1.0, -1.0), STARTS), len(targets))
-        self._up: dict[int, Floats] = {}
-
-    def improve(self) -> Floats:
-        """Give each joint in turn, from the base to the tips, its best position; return (rows,) torque / g before,
-        times the sign that the row is to have; 0 before the first."""
-        x = self._inward()
-        before: Floats = self._sign * self.torques(x)
-        self._outward(x)
-        return before
-
-    def torques(self, x: Mapping[int, Floats] | None = None) -> Floats:
-        """(rows,) torque / g at q."""
-        x, torques = self._inward() if x is None else x, np.zeros(self.q.shape[1])
-        for t, up in self._up.items():
-            torques[self._rows[t]] = (up * x[t][:, 1, self._rows[t]]).sum(axis=0)
-        return torques
-
-    def _positions(self, joint: Joint) -> Floats:
-        return np.asarray(joint.multiplier * self.q[joint.coordinate] + joint.offset)
-
-    def _turned(self, joint: Joint, x: Floats, back: float = 1.0) -> Floats:
-        """Rot(a, q) x, or turned back, of (3, 2, rows)."""
-        if joint.kind != "revolute":
-            return x
-        q = self._positions(joint)
-        along = applied(np.outer(joint.axis, joint.axis), x)
-        turned: Floats = along + np.cos(q) * (x - along) + back * np.sin(q) * applied(skew(joint.axis), x)
-        return turned
-
-    def _inward(self) -> dict[int, Floats]:
-        """(3, 2, rows) h and v of the bodies that matter."""
-        x = {i: np.zeros((3, 2, self.q.shape[1])) for i in self._relevant}
-        for i in reversed(self._relevant):
-            body, own = self._bodies[i], x[i]
-            joint, sliding = body.joint, body.joint.kind == "prismatic"
-            own[:, 0] += body.inertia.mc[:, None]
-            if i in self._rows:
-                carried, rows = self._carried[i] * joint.axis[:, None], self._rows[i]
-                own[:, 1, rows] = carried if sliding else product(skew(joint.axis), own[:, 0, rows])
-            if body.parent < 0:
-                continue
-            above = x[body.parent]
-            above += applied(joint.R, self._turned(joint, own))
-            above[:, 0] += self._carried[i] * joint.p[:, None]
-            if sliding:
-                above[:, 0] += self._carried[i] * np.outer(product(joint.R, joint.axis), self._positions(joint))
-        return x
-
-    def _outward(self, x: Mapping[int, Floats]) -> None:
-        """Change q, from the base to the tips, and keep where up is for each target."""
-        ground = np.zeros((3, 2, self.q.shape[1]))
-        ground[2, 0] = 1.0
-        y = {0: ground}
-        for i in self._relevant[1:]:
-            body, joint = self._bodies[i], self._bodies[i].joint
-            here = applied(joint.R.T, y[body.parent])
-            if self._free[joint.coordinate] and joint.mimics is None:
-                self._best(joint, x[i], here)
-            y[i] = own = self._turned(joint, here, back=-1.0)
-            if i in self._rows:
-                self._up[i] = up = own[:, 0, self._rows[i]]
-                if joint.kind == "revolute":
-                    own[:, 1, self._rows[i]] = product(-skew(joint.axis), up)
-
-    def _best(self, joint: Joint, x: Floats, y: Floats) -> None:
-        """Give a joint its best position in every row in which it matters."""
-        low, high, q = self._low[joint.coordinate], self._high[joint.coordinate], self.q[joint.coordinate]
-        if joint.kind == "prismatic":
-            gain = self._sign * product(joint.axis, y[:, 1])
-            q[:] = np.where(gain > 0.0, high, np.where(gain < 0.0, low, q))
-            return
-        # y has up with h and w with v the other way about: v goes with up, h with w
-        across = x - applied(np.outer(joint.axis, joint.axis), x)
-        cosine = self._sign * (y * across[:, ::-1]).sum(axis=(0, 1))
-        sine = self._sign * (y * applied(skew(joint.axis), x)[:, ::-1]).sum(axis=(0, 1))
-        best = low + (arctan2(sine, cosine) - low) % (2.0 * np.pi)
-        at_low, at_high = (cosine * np.cos(end) + sine * np.sin(end) for end in (low, high))
-        best = np.where(best <= high, best, np.where(at_low > at_high, low, high))
-        q[:] = np.where(np.hypot(cosine, sine) > _NOTHING * (self._carried[0] or 1.0), best, q)
-
-
-def applied(A: Floats, x: Floats) -> Floats:
-    """A (3, 3) times each vector of (3, 2, rows)."""
-    return np.asarray(product(A, x.reshape(3, -1)).reshape(x.shape))
-
-
-def around(parents: Sequence[int], targets: frozenset[int]) -> list[int]:
-    """Return the bodies above and below the targets, the targets and the base, parents first."""
-    below, above = set(targets), {0, *targets}
-    for i, parent in enumerate(parents):
-        if parent in below:
-            below.add(i)
-    for i in reversed(range(len(parents))):
-        if i in above:
-            above.add(max(parents[i], 0))
-    return sorted(above | below)
 
 
 def static_torques(context: Context) -> list[tuple[Joint, float, Floats]]:
@@ -148,42 +34,38 @@ def static_torques(context: Context) -> list[tuple[Joint, float, Floats]]:
     torque of largest magnitude that was found at rest, with its sign, gravity being (0, 0, -9.81) along the root's axes
     [N m or N], and the pose (n,), with joints that do not matter nearest to 0 [rad or m]. From stage MODEL on.
 
-    Method: in the angle of one joint the torque is a + b cos q + c sin q, so that its best angle within the limits is
-    known, and going through the joints again and again only ever raises the torque: from STARTS poses up and as many
-    down, until a sweep gains less than 0.1 %, SWEEPS at most. There may be a larger one elsewhere. Joints that others
-    mimic stay where they start. Robots on a floating base, and of more than MOST_BODIES bodies, give nothing.
+    Method: that of `sizing.recursion`, on a coarse lattice. Joints whose bound is within their limit are left out, and
+    robots on a floating base, and of more than MOST_BODIES bodies, give nothing.
 
     Accuracy: `torque` is that of `bias_forces` at `q` within 1e-12 of the weight at the farthest reach; of 4000 random
-        poses none asks for more than 1.02 times as much."""
+        poses none asks for more than 1.001 times as much."""
     model = context.model
     if len(model.bodies) > MOST_BODIES or any(body.joint.kind == "floating" for body in model.bodies):
         return []
     followed = {body.joint.coordinate for body in model.bodies if body.joint.mimics is not None}
     bounds = context.once(gravity_bounds)
-    joints = {
-        i: body.joint
-        for i, body in enumerate(model.bodies)
+    joints = [
+        body.joint
+        for body in model.bodies
         if body.joint.mimics is None and body.joint.coordinate not in followed
         if body.joint.effort and 0.0 < body.joint.effort < bounds[body.joint.name][0]
-    }
+    ]
     if not joints:
         return []
     low, high = position_ranges(model)
-    sweep = Sweep(model, [*joints], low, high, np.array([k not in followed for k in range(model.n)]))
-    last = sweep.improve()
-    for _ in range(SWEEPS):
-        now = sweep.improve()
-        if (now - last <= _CONVERGED * np.abs(now)).all():
-            break
-        last = now
-    torques = GRAVITY * sweep.torques().reshape(len(joints), -1)
-    poses, found = sweep.q.T.reshape(*torques.shape, -1), []
-    for k, (i, joint) in enumerate(joints.items()):
-        worst = first_largest(np.abs(torques[k]))
-        matter = [model.bodies[j].joint.coordinate for j in around(model.parents, frozenset({i}))[1:]]
-        q = np.clip(np.zeros(model.n), low, high)
-        q[matter] = poses[k, worst, matter]
-        found.append((joint, float(torques[k, worst]), q))
+    wanted = frozenset(Key("torque", joint.rate) for joint in joints)
+    recursion = Recursion(model, weight_of(model), low, high, lattice(ROWS), bearings=False, wanted=wanted)
+    joints = [
+        x for x in joints if max(recursion.most[Key("torque", x.rate), side] for side in (1, -1)) > (x.effort or 0.0)
+    ]
+    rows = [(Key("torque", joint.rate), side) for joint in joints for side in (1, -1)]
+    if not rows:
+        return []
+    q, values = recursion.poses(rows, np.clip(np.zeros(model.n), low, high), _SWEEPS)
+    found = []
+    for k, joint in enumerate(joints):
+        worst = 2 * k + first_largest(values[2 * k : 2 * k + 2])
+        found.append((joint, float(values[worst]) * rows[worst][1], q[worst]))
     return found
 
 
@@ -199,13 +81,6 @@ def position_ranges(model: Model) -> tuple[Floats, Floats]:
         if lower is not None and upper is not None and lower <= upper and abs(lower) < 1e3 and abs(upper) < 1e3:
             low[joint.coordinate], high[joint.coordinate] = lower, upper
     return low, high
-
-
-def starts(low: Floats, high: Floats) -> Floats:
-    """(STARTS, n) the middle, and points spread evenly by multiples of irrational numbers."""
-    spread = np.outer(np.arange(STARTS), np.sqrt(np.arange(2, len(low) + 2))) % 1.0
-    spread[0] = 0.5
-    return np.asarray(low + spread * (high - low))
 
 
 def gravity_bounds(context: Context) -> Mapping[str, tuple[float, float]]:
@@ -297,9 +172,9 @@ def static_torque(context: Context) -> Faults:
 
     The torque of gravity about each joint at rest, the root standing still with z up, in the worst pose within the
     position limits; a joint without limits turns all the way round. What is reported is reached in the pose that is
-    named; a worse one may exist. Less than twice the limit is a remark: springs that hold a part of the weight are no
-    part of URDF, and no robot has to hold still in every pose. Loads, motion and friction come on top: robodyn torques
-    computes them. Silent where a part is detached (RD111)."""
+    named; `robodyn envelope` bounds what any other asks for. Less than twice the limit is a remark: springs that hold a
+    part of the weight are no part of URDF, and no robot has to hold still in every pose. Loads, motion and friction
+    come on top: robodyn torques computes them. Silent where a part is detached (RD111)."""
     silent = bool(context.once(detached)) or context.once(other_unit) is not None
     for joint, torque, q in [] if silent else static_torques(context):
         limit = context.view.joint[joint.name].limit

@@ -26,7 +26,7 @@ Turned = tuple[int, Joint, float]
 def rotor_of(joint: Joint, scene: Scene) -> tuple[float, float]:
     """The rotor inertia [kg m^2] and the gear ratio of a joint: the scene's word, else its transmission's."""
     rotor = scene.rotor.get(joint.name)
-    inertia, gear = (None, None) if rotor is None else (rotor.inertia, rotor.gear)
+    inertia, gear = (None, None) if rotor is None else (rotor.inertia, rotor.ratio)
     return joint.rotor_inertia if inertia is None else inertia, joint.reduction if gear is None else gear
 
 

@@ -20,7 +20,6 @@ from robodyn.checks.rules.loads import (
     inverse_of_definite,
     joint_space_inertia,
     position_ranges,
-    starts,
     static_torques,
 )
 from robodyn.robot.urdf.document import read
@@ -197,18 +196,22 @@ def test_torques_are_those_of_the_recursion_and_no_random_pose_within_limits_ask
     """Nor for more than the bound, which also holds for joints that are not looked at."""
     one = context(path_of(stem))
     model, results, bounds = one.model, one.once(static_torques), one.once(gravity_bounds)
-    assert results
+    assert results or stem == "panda"
     low, high = position_ranges(model)
-    poses = np.array([q for _, _, q in results])
+    poses = np.array([q for _, _, q in results]).reshape(-1, model.n)
     assert ((low <= poses) & (poses <= high)).all()
-    tau = robodyn.bias_forces(model, poses, 0.0, executor="numpy")
+    tau = robodyn.bias_forces(model, poses, 0.0, executor="numpy") if results else poses
     q = low + np.random.default_rng(1).random((2000, model.n)) * (high - low)
     most = np.abs(robodyn.bias_forces(model, q, 0.0)).max(axis=0)
     for k, (joint, torque, _) in enumerate(results):
         bound, _ = bounds[joint.name]
         assert abs(tau[k, joint.rate] - torque) <= 1e-12 * max(bound, 1.0)
         assert abs(torque) <= bound * (1 + 1e-12)
-        assert most[joint.rate] <= 1.02 * abs(torque) + 1e-9
+        assert most[joint.rate] <= 1.001 * abs(torque) + 1e-9
+    named, followed = {joint.name for joint, _, _ in results}, {body.joint.mimics for body in model.bodies}
+    for joint in model.independent:
+        if joint.effort and joint.name not in named | followed:
+            assert most[joint.rate] <= joint.effort
     single = [joint for joint in model.independent if not any(b.joint.mimics == joint.name for b in model.bodies)]
     assert all(most[joint.rate] <= bounds[joint.name][0] * (1 + 1e-12) + 1e-12 for joint in single)
 
@@ -245,7 +248,8 @@ def test_less_than_twice_the_limit_is_a_remark(effort: str, severity: Severity) 
 def test_joint_space_inertia_is_the_mass_matrix(stem: str) -> None:
     """With mimic joints, slides and rotors of transmissions."""
     model = robodyn.load(path_of(stem))
-    for q in starts(*position_ranges(model))[:2]:
+    low, high = position_ranges(model)
+    for q in (0.5 * (low + high), 0.8 * low + 0.2 * high):
         expected = robodyn.mass_matrix(model, q)
         assert np.abs(joint_space_inertia(model, q) - expected).max() <= 1e-12 * np.abs(expected).max()
     A = np.random.default_rng(0).normal(size=(30, 40))

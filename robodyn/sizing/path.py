@@ -1,0 +1,218 @@
+"""Paths through way-points: what a table says of positions alone, and the curve that leads through them."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robodyn.errors import TrajectoryError
+from robodyn.robot.model import Model
+from robodyn.scene.scene import Scene
+from robodyn.support.floats import Floats
+from robodyn.trajectory.columns.layout import ABSENT, Header, resolve
+from robodyn.trajectory.columns.signals import is_time
+from robodyn.trajectory.options import Reading, hold_of
+from robodyn.trajectory.read import open_table, signals
+
+DWELL = "dwell"
+MOST_ROWS = 100_000
+_SAME = 1e-9  # of the whole way: rows that are nearer to each other are one way-point
+_LEAST, _FARTHEST = 1e-12, 1e6  # rad or m: what is no way at all, and what is none that a robot goes
+
+
+class WayPoints(NamedTuple):
+    """Positions (M, n) [rad or m], the row of the table of each, from 1, and how long the robot waits there [s]."""
+
+    file: str | None
+    q: Floats
+    rows: NDArray[np.int64]
+    dwell: Floats
+
+
+def read_path(source: Any, model: Model, scene: Scene, **reading: Any) -> WayPoints:
+    """Return the way-points of a table of positions: columns as of a motion; time and rates are not used, and need not
+    be there; `dwell` [s] is how long the robot waits in a row. Rows without a way between them are one.
+
+    Args:
+        source: a file as of `read_motion`, or positions (M, n); reading: as of `read_motion`.
+
+    Raises:
+        TrajectoryError: the columns do not fit the robot, a cell is no number, fewer than two places are left.
+    """
+    if isinstance(source, (str, os.PathLike)):
+        file, q, dwell = _table(source, model, scene, reading)
+    else:
+        q = np.array(source, dtype=float)
+        if q.ndim != 2 or q.shape[1] != model.n or not np.isfinite(q).all():
+            raise TrajectoryError(f"the path has shape {q.shape}", remedy=f"finite numbers (M, {model.n})")
+        file, dwell = None, np.zeros(len(q))
+    if np.abs(q).max(initial=0.0) > _FARTHEST:
+        row, i = np.argwhere(np.abs(q) > _FARTHEST)[0].tolist()
+        raise TrajectoryError(
+            f"row {row + 1}: {model.joint_names[i]} is at {q[row, i]:g}", remedy="rad, or m", file=file
+        )
+    if (dwell < 0.0).any():
+        row = int(np.argmax(dwell < 0.0)) + 1
+        raise TrajectoryError(f"row {row}: dwell is {dwell[row - 1]:g} s", remedy="0 or more", file=file)
+    steps = np.linalg.norm(np.diff(q, axis=0), axis=1)
+    apart = np.concatenate(([True], steps > max(_SAME * float(steps.sum()), _LEAST)))
+    if apart.sum() < 2:
+        what = "is no path: it has fewer than two places" if len(q) else "has no rows"
+        raise TrajectoryError(what, remedy="give two way-points at least", file=file)
+    at = np.flatnonzero(apart)
+    return WayPoints(file, q[at], at + 1, np.add.reduceat(dwell, at))
+
+
+def _table(source: str | os.PathLike[str], model: Model, scene: Scene, given: dict[str, Any]) -> tuple[str, Any, Any]:
+    known = {name: given[name] for name in ("ignore_extra", "columns", "time_unit", "angle_unit") if name in given}
+    reading = Reading(hold=hold_of(given.get("hold")), **{k: v for k, v in known.items() if v is not None})
+    table = open_table(source, given.get("topic"))
+    try:
+        names = table.names
+        called = {*names, *reading.columns}
+        timed = any(map(is_time, called))
+        header = Header(names if timed else (*names, "time"), table.file, table.header_line)
+        if header.labels:
+            header = header.labelled(table.texts([*header.labels]))
+        of = signals(model, scene)
+        waits = DWELL in called and of.find(DWELL) is None
+        layout = resolve(header, of, (DWELL,) if waits else (), reading)
+        needed = sorted({*layout.q, *layout.extra.values()} - {ABSENT})
+        table.choose(needed)
+        blocks: list[Floats] = []
+        for block in table.blocks(needed, 1 << 15):
+            blocks.append(np.array(block))
+            if sum(map(len, blocks)) > MOST_ROWS:
+                what = f"has more than {MOST_ROWS} rows"
+                raise TrajectoryError(what, remedy="a path needs fewer: leave rows out", file=table.file)
+    finally:
+        table.close()
+    cells = np.concatenate([np.empty((0, len(needed))), *blocks])
+    q = np.zeros((len(cells), model.n))
+    for i, column in enumerate(layout.q):
+        if column != ABSENT:
+            q[:, i] = cells[:, needed.index(column)] / layout.parts.get(column, 1.0)
+    for i, position in layout.held.items():
+        q[:, i] = position
+    dwell = cells[:, needed.index(layout.extra[DWELL])] if waits else np.zeros(len(cells))
+    return table.file or str(source), q, dwell
+
+
+@dataclass(frozen=True, eq=False)
+class Path:
+    """A curve q(s), s from 0 on, of polynomials.
+
+    Attributes:
+        breaks: (P + 1,) where pieces begin and end; c: (degree + 1, P, n) coefficients of powers of s - breaks[p].
+        marks: (M,) s of the way-points, or of the places nearest to them; rows: theirs in the table.
+        stops: s at which the robot stands still, both ends among them; dwell: how long it waits there [s].
+    """
+
+    breaks: Floats
+    c: Floats
+    marks: Floats
+    rows: NDArray[np.int64]
+    stops: Floats
+    dwell: Floats
+
+    def at(self, s: Floats, piece: NDArray[np.int64]) -> tuple[Floats, Floats, Floats, Floats]:
+        """Return q and its first three derivatives by s (..., n), by these pieces."""
+        c = self.c[:, piece]
+        t = (s - self.breaks[piece])[..., None]
+        q, first, second, third = (np.zeros(c.shape[1:]) for _ in range(4))
+        for each in c[::-1]:
+            third = third * t + 3.0 * second
+            second = second * t + 2.0 * first
+            first = first * t + q
+            q = q * t + each
+        return q, first, second, third
+
+    def pieces(self, middle: Floats) -> NDArray[np.int64]:
+        return np.clip(np.searchsorted(self.breaks, middle, side="right") - 1, 0, self.c.shape[1] - 1)
+
+    def row(self, s: Floats | float) -> Floats:
+        """Return the place in the table: 2.5 is half-way between rows 2 and 3."""
+        return np.asarray(np.interp(s, self.marks, self.rows.astype(float)))
+
+    def grid(self, points: int) -> Floats:
+        """Return places (N,), about so many, every break among them, and where joints turn back; beside stops they are
+        even in time rather than in s."""
+        lengths = np.diff(self.breaks)
+        least = max(min(20, points // len(lengths)), min(len(self.stops) - 1, 2))
+        counts = np.maximum(np.ceil(points * lengths / lengths.sum()), least)
+        parts = [a + (b - a) * np.arange(m) / m for a, b, m in zip(self.breaks, self.breaks[1:], counts, strict=False)]
+        s = np.concatenate([*parts, self.breaks[-1:]])
+        piece = self.pieces(0.5 * (s[1:] + s[:-1]))
+        turns = [s]
+        low, high = (np.broadcast_to(each[:, None], (len(each), self.c.shape[2])) for each in (s[:-1], s[1:]))
+        first, last = self.at(s[:-1], piece)[1], self.at(s[1:], piece)[1]
+        k, i = np.nonzero(first * last < 0.0)
+        low, high, sign = low[k, i].copy(), high[k, i].copy(), np.sign(first[k, i])
+        for _ in range(60 if len(k) else 0):
+            middle = 0.5 * (low + high)
+            before = self.at(middle, piece[k])[1][np.arange(len(k)), i] * sign > 0.0
+            low, high = np.where(before, middle, low), np.where(before, high, middle)
+        near = 1e-6 * (s[k + 1] - s[k])
+        turns.append(low[(low - s[k] > near) & (s[k + 1] - low > near)])
+        many, average = min(points // (8 * len(self.stops)), 16), self.breaks[-1] / points
+        slow = many * average * np.square(np.arange(1, 4 * many) / (4 * many or 1))
+        slow = (self.stops[:, None] + np.concatenate((slow, -slow))).ravel()
+        turns.append(slow[(slow > 0.0) & (slow < self.breaks[-1])])
+        s = np.unique(np.concatenate(turns))
+        step = 1e-9 * float(lengths.min())
+        return np.asarray(s[np.concatenate(([True], np.diff(s) > step))])
+
+
+def spline(points: WayPoints) -> Path:
+    """Return the cubic spline with continuous second derivatives through the way-points, over the centripetal parameter
+    (the square roots of chords, Lee 1989), which turns uneven ways without loops; its third derivative is continuous in
+    the second and the last but one. Two points are a line, three a parabola."""
+    from scipy.interpolate import CubicSpline
+
+    chords = np.sqrt(np.linalg.norm(np.diff(points.q, axis=0), axis=1))
+    s = np.concatenate(([0.0], np.cumsum(chords)))
+    c = CubicSpline(s, points.q).c[::-1]
+    kept = np.concatenate(([True], points.dwell[1:-1] > 0.0, [True]))
+    return Path(s, c, s, points.rows, s[kept], points.dwell[kept])
+
+
+def lines(points: WayPoints, radius: float = 0.0, stopping: bool = False) -> tuple[Path, int]:
+    """Return straight lines between the way-points, over their length [rad, m], and how many corners are narrower than
+    the radius: each is left and joined again at this distance from its way-point, at half of a line at most, by a curve
+    with a continuous second derivative, `q' = d0 + (d1 - d0) (3 t^2 - 2 t^3)`; where the radius is 0, or the robot
+    waits, it stops in the corner; `stopping`: in each."""
+    ways = np.diff(points.q, axis=0)
+    lengths = np.linalg.norm(ways, axis=1)
+    along = ways / lengths[:, None]
+    s = np.concatenate(([0.0], np.cumsum(lengths)))
+    n, narrow = points.q.shape[1], 0
+    breaks, pieces, stops = [0.0], list[Floats](), [0]
+    room = np.zeros(len(s))
+    for k in range(1, len(s) - 1):
+        straight = bool(np.linalg.norm(along[k] - along[k - 1]) < 1e-9)
+        if stopping or points.dwell[k] or (radius == 0.0 and not straight):
+            stops.append(k)
+        elif not straight:
+            room[k] = min(radius, 0.5 * lengths[k - 1], 0.5 * lengths[k])
+            narrow += bool(room[k] < radius)
+    for k in range(len(lengths)):
+        begin, end = s[k] + room[k], s[k + 1] - room[k + 1]
+        if end - begin > 1e-12 * s[-1]:
+            piece = np.zeros((5, n))
+            piece[0], piece[1] = points.q[k] + room[k] * along[k], along[k]
+            pieces.append(piece)
+            breaks.append(float(end))
+        if (r := room[k + 1]) > 0.0:
+            piece, turn = np.zeros((5, n)), along[k + 1] - along[k]
+            piece[0], piece[1] = points.q[k + 1] - r * along[k], along[k]
+            piece[3], piece[4] = turn / (2.0 * r) ** 2, -turn / (2.0 * (2.0 * r) ** 3)
+            pieces.append(piece)
+            breaks.append(float(s[k + 1] + r))
+    stops.append(len(s) - 1)
+    breaks[-1] = float(s[-1])
+    c = np.stack(pieces, axis=1)
+    return Path(np.array(breaks), c, s, points.rows, s[stops], points.dwell[stops]), narrow
