@@ -139,8 +139,8 @@ class Catalogue:
                 named = printable(f"# {best.motor.name} {best.gear.name}".rstrip())
                 blocks.append(f"{named}\n[motor.{toml_key(joint.name)}]\n{''.join(lines)}")
         for load in self.payloads:
-            values = f"mass = {load.mass!r}\ncom = {[*load.com]}\n"
-            blocks.append(f"[[payload]]\nlink = {toml_string(load.link)}\n{values}")
+            place = f"mass = {load.mass!r}\ncom = {[*load.com]}\n"
+            blocks.append(f"[[payload]]\nlink = {toml_string(load.link)}\n{place}")
         return "\n".join(blocks)
 
 
