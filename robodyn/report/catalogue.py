@@ -19,8 +19,8 @@ from robodyn.support.wording import count
 
 SHOWN = 3
 """Choices of each joint in text."""
-_CURVES, _STEPS = 10, 24
-"""Candidates that suffice, and that do not, whose curves are drawn; and points of each."""
+_CURVES, _STEPS, _POINTS = 10, 24, 1500
+"""Candidates that suffice, and that do not, whose curves are drawn; points of each, and of the load."""
 _SHARES = ("speed", "input", "peak", "RMS", "gear peak", "gear mean", "of the ratio")
 """As heads of columns, what `LIMITS` are."""
 _FIRST = {"mass": "lightest", "price": "cheapest", "loss": "least loss"}
@@ -93,16 +93,15 @@ def size_page(found: Catalogue, pictures: bool = True) -> doc.Document:
 def _plane(joint: JointChoices) -> doc.Chart:
     """Return torque over speed at a joint, up to three times its speed: its load, that of the best motor with its
     rotor, and the curves of candidates, torques times and speeds over the ratio."""
-    speed, load, acceleration = joint.points
-    pace, best = np.abs(speed), joint.choices[0]
-    e, sign = best.gear.efficiency, np.sign(load) * np.sign(speed)
-    shared = load * np.where(sign > 0, 1.0 / e, np.where(sign < 0, e, 1.0))
-    at_motor = np.abs(best.ratio**2 * best.inertia * acceleration + shared)
+    course, best = joint.course, joint.choices[0]
+    rows = slice(None, None, -(-len(course.load) // _POINTS))
+    at_motor = np.abs(best.ratio**2 * best.inertia * course.qdd + course.geared(best.gear.efficiency)[0])[rows]
+    pace, load = course.speed[rows], np.abs(course.load[rows])
     first = "best" if joint.best else "nearest miss"
-    dots: dict[str, Any] = {"load": (pace, np.abs(load)), f"with the rotor of the {first}": (pace, at_motor)}
+    dots: dict[str, Any] = {"load": (pace, load), f"with the rotor of the {first}": (pace, at_motor)}
     colours = dict(zip(dots, ("soft", "ink"), strict=True))
     names: dict[str, list[str]] = {}
-    reach, top = 3.0 * joint.max_speed, 3.0 * max(joint.peak, float(at_motor.max()))
+    reach, top = 3.0 * course.max_speed, 3.0 * max(course.peak, float(at_motor.max()))
     lines: dict[str, Any] = {}
     others = joint.choices[1 : joint.feasible][:_CURVES], joint.choices[max(joint.feasible, 1) :][:_CURVES]
     for label, some, colour in (("others that suffice", others[0], "good"), ("do not suffice", others[1], "bad")):
@@ -113,7 +112,7 @@ def _plane(joint: JointChoices) -> doc.Chart:
             seen = [
                 (name, *curve[:, np.isfinite(curve[1])].T[-1]) for name, curve in curves if np.isfinite(curve[1]).any()
             ]
-            ends = f"{label}: their names"
+            ends = f"names of {label}" if label == "others that suffice" else "names of those that do not"
             names[ends], dots[ends] = (
                 [name for name, _, _ in seen],
                 tuple(np.array([x[1:] for x in seen]).reshape(-1, 2).T),
@@ -143,7 +142,8 @@ def _curve(each: Choice, torque: float | Curve | None, reach: float, top: float)
 def size_json(found: Catalogue) -> str:
     """Return the document of `size`; docs/reference/schemas has its keys; units are SI."""
     keys = "motor:motor.name gear:gear.name ratio feasible margins binding inertia_ratio mass price loss"
-    joint = f"name unit peak rms max_speed feasible ruled_out best[{keys}] choices[{keys}]"
+    load = "peak:course.peak rms:course.rms max_speed:course.max_speed"
+    joint = f"name unit {load} feasible ruled_out best[{keys}] choices[{keys}]"
     totals = {name: found.total(name) for name in _UNITS}
     return doc.written(
         doc.select(found, f"robot by feasible mass price loss sweeps converged notes joints[{joint}]", **totals)

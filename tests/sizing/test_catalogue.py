@@ -15,7 +15,7 @@ from helpers.small_robots import link
 from scipy.integrate import trapezoid
 
 import robodyn
-from robodyn.sizing.catalogue import LIMITS, Course, evaluated
+from robodyn.sizing.catalogue import LIMITS, Course, judged
 from robodyn.sizing.catalogue_tables import CatalogueGear, CatalogueMotor
 
 ROBOTS = ("puma560", "ur5_robot", "scara", "cylindrical", "gripper")
@@ -275,11 +275,10 @@ def test_masses_load_the_joints_before():
     peer.armature = np.zeros(6)
     tau = np.array([pin.rnea(peer, data, *each).copy() for each in zip(only.q, only.qd, only.qdd, strict=True)])
     for joint, load in zip(found.joints, np.abs(tau).max(axis=0), strict=True):
-        assert joint.peak == pytest.approx(load, rel=1e-9)
-    heavier = [joint.peak for joint in found.joints]
-    lighter = [
-        joint.peak for joint in robodyn.size(a_model, only, *drawn(a_model, 20, 20), scene, masses_included=True).joints
-    ]
+        assert joint.course.peak == pytest.approx(load, rel=1e-9)
+    heavier = [joint.course.peak for joint in found.joints]
+    light = robodyn.size(a_model, only, *drawn(a_model, 20, 20), scene, masses_included=True)
+    lighter = [joint.course.peak for joint in light.joints]
     assert heavier[1] > 1.05 * lighter[1]
     assert heavier[-1] == lighter[-1]
 
@@ -292,15 +291,14 @@ def test_harmonic_load_in_closed_form():
     course = Course([(time, load * qdd, qd, qdd)])
     motor = CatalogueMotor("m", J, 1.0, 2.0, 50.0, 1.0, resistance=2.0, torque_constant=0.5)
     gear = CatalogueGear("g", (G,), None, 1.0, 100.0, None, None)
-    uses, ratio, loss = evaluated(course, load, motor, [(gear, G)])
+    found = judged(course, load, motor, gear, G)
     rms = (G * J + load / G) * A * w * w / np.sqrt(2)
-    by_limit = dict(zip(LIMITS, uses[:, 0], strict=True))
-    assert by_limit["RMS torque"] == pytest.approx(rms, rel=1e-9)
-    assert by_limit["peak torque"] == pytest.approx(rms * np.sqrt(2) / 2.0, rel=1e-6)
-    assert by_limit["speed"] == pytest.approx(A * w * G / 50.0, rel=1e-12)
-    assert ratio[0] == pytest.approx(load / (G * G * J))
-    assert loss[0] == pytest.approx(2.0 * (rms / 0.5) ** 2, rel=1e-9)
-    assert np.isnan(by_limit["gear mean"])
+    assert 1 - found.margins["RMS torque"] == pytest.approx(rms, rel=1e-9)
+    assert 1 - found.margins["peak torque"] == pytest.approx(rms * np.sqrt(2) / 2.0, rel=1e-6)
+    assert 1 - found.margins["speed"] == pytest.approx(A * w * G / 50.0, rel=1e-12)
+    assert found.inertia_ratio == pytest.approx(load / (G * G * J))
+    assert found.loss == pytest.approx(2.0 * (rms / 0.5) ** 2, rel=1e-9)
+    assert found.margins["gear mean"] is None
 
 
 def test_ranks_and_ties():
@@ -336,8 +334,8 @@ def test_several_motions_count_at_their_worst():
     of_each = [robodyn.size(a_model, each, motors, gears, masses_included=True) for each in both]
     found = robodyn.size(a_model, both, motors, gears, masses_included=True)
     for k, joint in enumerate(found.joints):
-        assert joint.peak == max(each.joints[k].peak for each in of_each)
-        assert joint.rms == pytest.approx(max(each.joints[k].rms for each in of_each), rel=1e-12)
+        assert joint.course.peak == max(each.joints[k].course.peak for each in of_each)
+        assert joint.course.rms == pytest.approx(max(each.joints[k].course.rms for each in of_each), rel=1e-12)
 
 
 def test_motors_that_load_each_other_by_mimicry(tmp_path):
@@ -361,20 +359,3 @@ def test_motors_that_load_each_other_by_mimicry(tmp_path):
     assert found.converged
     assert found.sweeps > 2
     assert {joint.level for joint in robodyn.torques(a_model, only, found.scene).sizing.joints} == {"OK"}
-
-
-def test_mean_squares_by_their_integrals():
-    """Within 1e-12 of the larger of the rotor's and the load's part, also where these cancel."""
-    rng = np.random.default_rng(7)
-    time = np.cumsum(rng.uniform(0.5, 1.5, 300))
-    load, qd, qdd = rng.normal(size=(3, 300))
-    course = Course([(time, load, qd, qdd), (time[:50], load[:50], qd[:50], -load[:50])])
-    G, J, e = rng.uniform(1, 100, 30), 10 ** rng.uniform(-6, -2, 30), rng.uniform(0.3, 1, 30)
-    J[0], e[0] = 1 / G[0] ** 2, 1.0  # cancels in the second motion
-    found = course.mean_squares(G, J, e)
-    for k, (L, v, a) in enumerate(((load, qd, qdd), (load[:50], qd[:50], -load[:50]))):
-        for r in range(30):
-            own = L / G[r] * np.where(L * v > 0, 1 / e[r], e[r])
-            rotor, span = G[r] * J[r] * a, time[len(L) - 1] - time[0]
-            expected, *parts = (trapezoid(x * x, time[: len(L)]) / span for x in (own + rotor, own, rotor))
-            assert abs(found[k, r] - expected) <= 1e-12 * max(parts)
