@@ -106,7 +106,8 @@ class Course(NamedTuple):
         steps = np.diff(self.time)
         parts = self.s[:-1] + steps * (self.speed[:-1] / 2.0 + steps * (self.u[:-1] / 6.0 + steps * self.jerk / 24.0))
         areas = np.concatenate(([0.0], np.cumsum(steps * parts)))
-        knots = np.unique(np.concatenate((self.time, self.time + width)))
+        knots = np.sort(np.concatenate((self.time, self.time + width)))
+        knots = knots[np.append(True, np.diff(knots) > 1e-9 * width)]  # those that rounding alone parts are one
 
         def before(time: Floats) -> tuple[Floats, Floats, Floats]:
             """The integral of s, s and sd."""
@@ -294,7 +295,7 @@ def retime(
 def _check(profile: str, speed: float, blend: float | None, rate: float, grid: int, jerk: Any) -> None:
     wrong = [
         (profile not in PROFILES, f"no profile {shown(profile)}", f"one of {', '.join(PROFILES)}"),
-        (not 0.0 < speed <= 1.0, f"speed is {100 * speed:g} %", "more than 0 %, at most 100 % of the velocity limits"),
+        (not 0.0 < speed <= 1.0, f"speed is {100 * speed:g} %", "such as 80% or 0.8 of the velocity limits"),
         (blend is not None and not 0.0 <= blend < np.inf, f"blend is {blend}", "0 or more"),
         (blend is not None and profile != "optimal", f"--blend goes with optimal: {profile} stops at way-points", "-"),
         (jerk is not None and profile == "trapezoid", "a trapezoid has no limit of jerk", "--profile scurve"),
@@ -554,7 +555,7 @@ def _result(
     for _ in range(20):
         samples = max(int(np.ceil(course.time[-1] * rate - 1e-9)) + 1, 2)
         if samples > MOST_SAMPLES:
-            what = f"the motion takes {course.time[-1]:.6g} s, {samples} rows"
+            what = f"the motion takes {course.time[-1]:.6g} s, {float(samples):.6g} rows"
             raise InputError(what, remedy=f"--rate of fewer rows per second, {MOST_SAMPLES} at most")
         time = np.linspace(0.0, course.time[-1], samples)
         k = course.knot(time)
