@@ -295,7 +295,7 @@ def retime(
 def _check(profile: str, speed: float, blend: float | None, rate: float, grid: int, jerk: Any) -> None:
     wrong = [
         (profile not in PROFILES, f"no profile {shown(profile)}", f"one of {', '.join(PROFILES)}"),
-        (not 0.0 < speed <= 1.0, f"speed is {100 * speed:g} %", "such as 80% or 0.8 of the velocity limits"),
+        (not 0.0 < speed <= 1.0, f"speed is {100 * speed:g} %", "more than 0 %, at most 100 % of the velocity limits"),
         (blend is not None and not 0.0 <= blend < np.inf, f"blend is {blend}", "0 or more"),
         (blend is not None and profile != "optimal", f"--blend goes with optimal: {profile} stops at way-points", "-"),
         (jerk is not None and profile == "trapezoid", "a trapezoid has no limit of jerk", "--profile scurve"),
@@ -345,7 +345,8 @@ def _fastest(along: Along) -> tuple[Floats, Floats, Floats]:
             what = f"nothing limits the acceleration of what moves {_place(along.path, along.s[int(free.argmax())])}"
             raise InputError(what, remedy="--acceleration A; the description gives no effort, the scene no motor")
         course = _whole(along, x)
-        used, duration = _most_used(along, course), float(course.time[-1])
+        used = along.bounds.uses(*course.states(along.path, *course.fine())[:3])[0].max(axis=1)  # (6, N, n)
+        duration = float(course.time[-1])
         if used.max() <= 1.0 + 100.0 * _ROUNDING and (settled or abs(duration - before) <= _SAME * duration):
             break
         settled, before = settled or abs(duration - before) <= 1e-5 * duration, duration
@@ -368,19 +369,6 @@ def _whole(along: Along, x: Floats) -> Course:
     speed, u = np.sqrt(x), np.diff(x) / (2.0 * along.steps)
     time = np.concatenate(([0.0], np.cumsum(2.0 * along.steps / (speed[1:] + speed[:-1]))))
     return Course(time, along.s, speed, np.append(u, 0.0), np.zeros(len(u)), along.piece)
-
-
-def _most_used(along: Along, course: Course) -> Floats:
-    """Return (6, N, n) what is used of each limit at most in each interval, by parabolas between its parts."""
-    used = along.bounds.uses(*course.states(along.path, *course.fine())[:3])[0]
-    most = used.max(axis=1)
-    near = np.nonzero(most > 0.999)
-    left, middle, right = (used[near[0], part : FINE - 1 + part, near[1], near[2]] for part in range(3))
-    bend, slope = left - 2.0 * middle + right, 0.5 * (right - left)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        peak = np.where(np.abs(slope) < -bend, middle - slope * slope / (2.0 * bend), middle)
-    most[near] = np.maximum(most[near], peak.max(axis=1, initial=0.0))
-    return np.asarray(most)
 
 
 def _stretches(along: Along, x: Floats) -> list[Course]:

@@ -369,15 +369,16 @@ PIECES = {
         ("up, level, falls = reach, after * half, half", "up, level, falls = reach, after * half, 0.5 * half"),
     ],
     ("sizing/test_retime.py", "sizing/along.py"): [
-        ("with_x - c, c, way", "with_x, c, way"),
+        ("with_x - c", "with_x"),
         ("ends.c + rub - slope * near[..., None]", "ends.c + rub"),
         ("share_kept * level - sign * c_row", "share_kept * level"),
     ],
     ("sizing/test_retime.py", "sizing/path.py"): [("-turn / (2.0 * (2.0 * r) ** 3)", "-turn / ((2.0 * r) ** 3)")],
     ("sizing/test_retime.py", "sizing/retime.py"): [
-        ("first * u + second * sd * sd, first * j", "first * u, first * j"),
-        ("one.averaged(a / j if given", "one.averaged(0.5 * a / j if given"),
+        ("first * u + second * sd * sd", "first * u"),
+        ("a / j if given else ramp * rise", "0.5 * a / j if given else ramp * rise"),
         ("(now - then) / width", "now / width"),
+        ("np.diff(knots) > 1e-9 * width", "np.diff(knots) > 0.0"),
     ],
     ("sizing/test_envelope.py", "sizing/directions.py"): [
         ("most + self.bulge * (np.maximum(most, 0.0) + np.maximum(back, 0.0))", "most"),
