@@ -10,9 +10,8 @@ import numpy as np
 from robodyn.report import document as doc
 from robodyn.report.charts import COLOURS, plane_chart, time_chart
 from robodyn.report.table import first_names, gravity_text, number, printable
-from robodyn.sizing.along import EFFORT, LIMITS
+from robodyn.sizing.along import LIMITS
 from robodyn.sizing.retime import BINDS, FINE, Retimed
-from robodyn.support.floats import Floats
 from robodyn.support.wording import count
 
 _PLOTTED, _FRAMES = 12, 400
@@ -69,7 +68,6 @@ def retime_page(found: Retimed, pictures: bool = True) -> doc.Document:
         blocks.append(_stage(found))
         blocks += doc.titled("Along the path", doc.gallery([*_speed_charts(found), *_binding_chart(found)]))
         blocks += doc.titled("Use of limits", doc.gallery(_use_charts(found)))
-        blocks += doc.titled("Torques", doc.gallery(_torque_charts(found)))
     sections = [*retime_sections(found)][1:]
     data = [("retime.json", retime_json(found))]
     if found.feasible:
@@ -107,12 +105,6 @@ def _speed_charts(found: Retimed) -> Iterator[doc.Chart]:
     colours = {"speed": "c1", "largest that limits allow in passing": "bad"}
     caption = "Speed along the path, and the largest at which any acceleration is left"
     yield plane_chart(caption, alt, "row of the path", "rows per second", lines=lines, colours=colours)
-    alt = "Place on the path over time"
-    yield time_chart("Place on the path [row]", alt, found.time, {"row": found.row}, "row", rows=_rows(found))
-
-
-def _rows(found: Retimed) -> Floats:
-    return 1.0 + np.arange(float(found.samples))
 
 
 def _binding_chart(found: Retimed) -> Iterator[doc.Chart]:
@@ -133,6 +125,7 @@ def _binding_chart(found: Retimed) -> Iterator[doc.Chart]:
 
 def _use_charts(found: Retimed) -> Iterator[doc.Chart]:
     """Yield for each limit what joints use of it over time."""
+    rows = 1.0 + np.arange(float(found.samples))
     for f, name in enumerate(LIMITS):
         curves = {
             printable(joint): 100.0 * found.used[f, :, i]
@@ -142,18 +135,7 @@ def _use_charts(found: Retimed) -> Iterator[doc.Chart]:
         if curves:
             most = ", ".join(f"{label} {number(float(each.max()))} %" for label, each in curves.items())
             alt, levels = f"Use of the limits of {name} over time, at most: {most}", [(100.0, "limit")]
-            yield time_chart(f"{name} [% of limit]", alt, found.time, curves, "%", rows=_rows(found), levels=levels)
-
-
-def _torque_charts(found: Retimed) -> Iterator[doc.Chart]:
-    """Yield the torque of each joint over time, with its limits."""
-    for i, joint in enumerate(found.model.independent[:_PLOTTED]):
-        unit, limit = "N" if joint.kind == "prismatic" else "N m", float(found.limits[EFFORT, i])
-        levels = [(limit, "limit"), (-limit, "limit")] if np.isfinite(limit) else []
-        tau = found.tau[:, i]
-        alt = f"Torque of {printable(joint.name)} over time: {number(tau.min())} to {number(tau.max())} {unit}"
-        caption = f"{printable(joint.name)} [{unit}]"
-        yield time_chart(caption, alt, found.time, {"torque": tau}, unit, rows=_rows(found), levels=levels)
+            yield time_chart(f"{name} [% of limit]", alt, found.time, curves, "%", rows=rows, levels=levels)
 
 
 def retime_json(found: Retimed) -> str:

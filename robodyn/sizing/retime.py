@@ -10,7 +10,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Any, NamedTuple
@@ -106,7 +106,8 @@ class Course(NamedTuple):
         steps = np.diff(self.time)
         parts = self.s[:-1] + steps * (self.speed[:-1] / 2.0 + steps * (self.u[:-1] / 6.0 + steps * self.jerk / 24.0))
         areas = np.concatenate(([0.0], np.cumsum(steps * parts)))
-        knots = np.unique(np.concatenate((self.time, self.time + width)))
+        knots = np.sort(np.concatenate((self.time, self.time + width)))
+        knots = knots[np.append(True, np.diff(knots) > 1e-9 * width)]  # those that rounding alone parts are one
 
         def before(time: Floats) -> tuple[Floats, Floats, Floats]:
             """The integral of s, s and sd."""
@@ -273,19 +274,19 @@ def retime(
             along = Along(bounds, way, way.grid(max(grid, len(way.breaks) - 1)))
             kept, x, top = _fastest(along)
             free = replace(bounds, jerk=np.full(model.n, np.inf))
-            course = _settled(free, way, _joined(way, _stretches(along, x)))
+            course = _settled(free, way, _joined(way, _stretches(along, x)), Course.fine)[0]
             with np.errstate(divide="ignore"):
                 pace = np.diff(way.row(along.s)) / along.steps * np.sqrt(top)
             found |= {"grid": len(along.steps), "most": (way.row(along.s[:-1]), pace)}
             if np.isfinite(bounds.jerk).any():
                 found["unlimited"] = float(course.time[-1])
-                course = _settled(bounds, way, _within_jerk(along, kept, x))
+                course = _settled(bounds, way, _within_jerk(along, kept, x), Course.fine)[0]
         elif len(way.breaks) > MOST_STOPS:
             what = f"{len(way.breaks)} way-points to stop at"
             raise InputError(what, remedy=f"{MOST_STOPS} at most; --profile optimal follows a dense path in one go")
         else:
             moves = [_move(bounds, way, k, profile) for k in range(len(way.breaks) - 1)]
-            course = _settled(bounds, way, _joined(way, moves))
+            course = _settled(bounds, way, _joined(way, moves), Course.fine)[0]
     except InfeasibleError as why:
         return Retimed(model, scene, profile, way, limits, str(why), why.where, warnings=tuple(warnings))
     return _result(bounds, way, limits, course, rate, profile, warnings, found)
@@ -344,7 +345,8 @@ def _fastest(along: Along) -> tuple[Floats, Floats, Floats]:
             what = f"nothing limits the acceleration of what moves {_place(along.path, along.s[int(free.argmax())])}"
             raise InputError(what, remedy="--acceleration A; the description gives no effort, the scene no motor")
         course = _whole(along, x)
-        used, duration = _most_used(along, course), float(course.time[-1])
+        used = along.bounds.uses(*course.states(along.path, *course.fine())[:3])[0].max(axis=1)  # (6, N, n)
+        duration = float(course.time[-1])
         if used.max() <= 1.0 + 100.0 * _ROUNDING and (settled or abs(duration - before) <= _SAME * duration):
             break
         settled, before = settled or abs(duration - before) <= 1e-5 * duration, duration
@@ -367,19 +369,6 @@ def _whole(along: Along, x: Floats) -> Course:
     speed, u = np.sqrt(x), np.diff(x) / (2.0 * along.steps)
     time = np.concatenate(([0.0], np.cumsum(2.0 * along.steps / (speed[1:] + speed[:-1]))))
     return Course(time, along.s, speed, np.append(u, 0.0), np.zeros(len(u)), along.piece)
-
-
-def _most_used(along: Along, course: Course) -> Floats:
-    """Return (6, N, n) what is used of each limit at most in each interval, by parabolas between its parts."""
-    used = along.bounds.uses(*course.states(along.path, *course.fine())[:3])[0]
-    most = used.max(axis=1)
-    near = np.nonzero(most > 0.999)
-    left, middle, right = (used[near[0], part : FINE - 1 + part, near[1], near[2]] for part in range(3))
-    bend, slope = left - 2.0 * middle + right, 0.5 * (right - left)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        peak = np.where(np.abs(slope) < -bend, middle - slope * slope / (2.0 * bend), middle)
-    most[near] = np.maximum(most[near], peak.max(axis=1, initial=0.0))
-    return np.asarray(most)
 
 
 def _stretches(along: Along, x: Floats) -> list[Course]:
@@ -421,14 +410,17 @@ def _slack(used: Floats) -> float:
     return float(most.max())
 
 
-def _settled(bounds: Bounds, path: Path, course: Course) -> Course:
-    """Return the course, slower by what its limits are passed by between points of the grid; raise if that does not
-    end."""
-    for _ in range(100):
-        slack = _slack(_uses(bounds, path, course, *course.fine()))
-        if slack <= 1.0 + PASSED / 4.0:
-            return course
-        course = course.slower(slack * (1.0 + _ROUNDING))
+def _settled(
+    bounds: Bounds, path: Path, course: Course, instants: Callable[[Course], tuple[Floats, NDArray[np.int64]]]
+) -> tuple[Course, Floats]:
+    """Return the course, slower by what its limits are passed by at some instants, and its use of limits there; raise
+    if that does not end."""
+    slack = np.inf
+    for turn in range(1, 100):
+        used = _uses(bounds, path, course, *instants(course))
+        if (slack := _slack(used)) <= 1.0 + PASSED / 4.0:
+            return course, used
+        course = course.slower(1.0 + turn * (slack - 1.0) + _ROUNDING)  # torques may hardly depend on the time
     what = f"a limit is passed by {100 * (slack - 1.0):.2g} % between points of the grid"
     raise InputError(what, remedy="--grid of more intervals")
 
@@ -526,12 +518,10 @@ def _move(bounds: Bounds, path: Path, k: int, profile: str) -> Course:
     high, v = (sharp, fast) if np.isfinite(sharp) else (1e8 * length, min(fast, 1e4 * length))
     if keeps(high, v):
         return course(high, v)
-    low = 1e-12 * high
-    for _ in range(100):
-        if keeps(low, v):
-            break
+    low, slowest = 1e-12 * high, 1e-6 * v
+    while v > slowest and not keeps(low, v):
         v *= 0.7
-    else:
+    if v <= slowest:
         raise _stuck(Along(bounds, path, np.linspace(path.breaks[k], path.breaks[k + 1], 200)), 0)
     while high > low * (1.0 + 1e-10):
         middle = float(np.sqrt(low * high)) if high > 2.0 * low else 0.5 * (low + high)
@@ -551,18 +541,18 @@ def _result(
 ) -> Retimed:
     """Sample a course, and say what binds."""
     names, n = bounds.model.joint_names, bounds.model.n
-    for _ in range(20):
+
+    def rows(course: Course) -> tuple[Floats, NDArray[np.int64]]:
         samples = max(int(np.ceil(course.time[-1] * rate - 1e-9)) + 1, 2)
         if samples > MOST_SAMPLES:
-            what = f"the motion takes {course.time[-1]:.6g} s, {samples} rows"
+            what = f"the motion takes {course.time[-1]:.6g} s, {float(samples):.6g} rows"
             raise InputError(what, remedy=f"--rate of fewer rows per second, {MOST_SAMPLES} at most")
         time = np.linspace(0.0, course.time[-1], samples)
-        k = course.knot(time)
-        q, qd, qdd, _ = course.states(path, time, k)
-        used = _uses(bounds, path, course, time, k)
-        if (slack := _slack(used)) <= 1.0 + PASSED / 4.0:
-            break
-        course = course.slower(slack * (1.0 + _ROUNDING))
+        return time, course.knot(time)
+
+    course, used = _settled(bounds, path, course, rows)
+    time, k = rows(course)
+    q, qd, qdd, _ = course.states(path, time, k)
     tau = bounds.torques(q, qd, qdd)
     flat = np.ascontiguousarray(used.transpose(1, 0, 2).reshape(len(time), -1))
     leads = np.where(flat.max(axis=1) < BINDS, -1, first_of_ties(flat))

@@ -381,6 +381,7 @@ PIECES = {
         ("first * u + second * sd * sd", "first * u"),
         ("a / j if given else ramp * rise", "0.5 * a / j if given else ramp * rise"),
         ("(now - then) / width", "now / width"),
+        ("np.diff(knots) > 1e-9 * width", "np.diff(knots) > 0.0"),
     ],
     ("sizing/test_envelope.py", "sizing/directions.py"): [
         ("most + self.bulge * (np.maximum(most, 0.0) + np.maximum(back, 0.0))", "most"),

@@ -120,6 +120,11 @@ def test_a_trapezoid_and_an_s_curve_have_their_closed_forms():
     assert found.duration == pytest.approx(3.0 / 1.5 + 1.5 + 0.25, abs=1e-9)
     found = retime(slide(), [[0.0], [3.0]], profile="trapezoid")  # as torque allows
     assert found.duration == pytest.approx(2.0 * np.sqrt(3.0 / 2.0), rel=1e-9)
+    for length in np.random.default_rng(1).uniform(0.2, 1.0, 9):  # the largest speed is reached at most for a moment
+        found = retime(slide(), [[0.0], [length]], profile="scurve", acceleration=1.0, jerk=400.0)
+        a, J, L = 1.0, 400.0, length
+        v = 0.5 * a * (np.hypot(a / J, 2.0 * np.sqrt(L / a)) - a / J)
+        assert found.duration == pytest.approx(L / v + v / a + a / J, rel=1e-7)
     jerky = retime(slide(), [[0.0], [0.5]], profile="scurve", jerk=1.0)  # neither acceleration nor speed is reached
     assert jerky.duration == pytest.approx((32.0 * 0.5) ** (1 / 3), rel=1e-9)
 
