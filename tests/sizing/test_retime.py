@@ -12,6 +12,7 @@ from helpers.drake_toppra import durations
 from helpers.example_robots import path_of, real
 from helpers.peers import needs_peers
 from helpers.pinocchio_robots import PinocchioRobot
+from helpers.robot_files import FOLDER
 
 import robodyn
 from robodyn.errors import InputError, RobodynError
@@ -312,7 +313,7 @@ def at_shafts(model, scene, found):
 
 @pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow), pytest.param(3, marks=pytest.mark.slow)])
 def test_motors_gears_and_friction_keep_their_limits(seed):
-    model, rng = robodyn.load("robots/puma560.urdf"), np.random.default_rng(seed)
+    model, rng = robodyn.load(str(FOLDER / "puma560.urdf")), np.random.default_rng(seed)
     for _ in range(3):
         scene = random_scene(model, rng)
         q = 0.5 * random_path(model, rng, 4)
@@ -327,10 +328,10 @@ def test_motors_gears_and_friction_keep_their_limits(seed):
 
 
 def test_stribeck_and_coupled_motors_are_along_for_the_ride():
-    model = robodyn.load("robots/puma560.urdf")
+    model = robodyn.load(str(FOLDER / "puma560.urdf"))
     coupled = CoupledMotor("w", {"wrist_pitch": 1.0, "flange_roll": 0.5}, 1e-4, 50.0, Friction(0.1, 0.2, -0.2))
     friction = {"waist": Friction(1.0, 3.0, -3.0, stribeck=6.0, stribeck_velocity=0.05)}
-    found = retime(model, "robots/puma560_waypoints.csv", Scene(friction=friction, coupled=(coupled,)), grid=500)
+    found = retime(model, str(FOLDER / "puma560_waypoints.csv"), Scene(friction=friction, coupled=(coupled,)), grid=500)
     assert found.feasible
     assert found.used.max() <= 1.0 + 1e-9
 
@@ -396,7 +397,7 @@ def test_a_path_that_a_joint_cannot_bear_is_told_with_its_place():
     assert not found.feasible
     assert found.where == {"joint": "x", "row": 1.0, "missing": pytest.approx(2 * 9.81 - 4.0), "unit": "N"}
     assert "x needs 19.62 N to stand still at row 1" in found.reason
-    arm = robodyn.load("robots/two_link_planar.urdf")
+    arm = robodyn.load(str(FOLDER / "two_link_planar.urdf"))
     heavy = retime(arm, [[1.5, 0.0], [0.0, 0.0]], Scene(payloads=(Payload(list(arm.links)[-1], 12.0, (0.5, 0, 0)),)))
     assert not heavy.feasible
 
@@ -457,12 +458,12 @@ def test_scenes_that_are_not_known_are_refused(scene, what):
 
 
 def test_the_command_writes_what_torques_finds_within_limits(tmp_path, monkeypatch):
-    out, way = tmp_path / "motion.csv", "robots/puma560_waypoints.csv"
+    out, arm, way = tmp_path / "motion.csv", str(FOLDER / "puma560.urdf"), str(FOLDER / "puma560_waypoints.csv")
     for options in ([], ["--profile", "trapezoid", "--speed", "80%"], ["--blend", "0.1", "--jerk", "800"]):
-        assert run("retime", "robots/puma560.urdf", way, *options, "--grid", "300", "--out", str(out)).status == 0
-        assert run("torques", "robots/puma560.urdf", str(out), "--fail-on-limits").status == 0
+        assert run("retime", arm, way, *options, "--grid", "300", "--out", str(out)).status == 0
+        assert run("torques", arm, str(out), "--fail-on-limits").status == 0
     out.unlink()
-    ended = run("retime", "robots/puma560.urdf", way, "--payload", "flange=90", "--out", str(out))
+    ended = run("retime", arm, way, "--payload", "flange=90", "--out", str(out))
     assert ended.status == 1
     assert "are missing" in ended.out
     assert not out.exists()
