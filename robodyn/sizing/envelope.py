@@ -35,7 +35,7 @@ _MOST = 1.5e8
 _LARGEST = 3e8
 """Values on the first lattices, beyond which memory may not suffice."""
 _HALVED = 5
-"""How often the range of a coordinate with a spring, or that several joints follow, is halved for bounds of pieces."""
+"""How often the range of a coordinate that several joints follow is halved; twice as often that of a spring."""
 _FARTHEST = 1e3  # m
 _NOISE = 1e-8
 """Of all weight at the farthest reach: what is less is nothing."""
@@ -370,10 +370,11 @@ class _Search:
             if all(bounds[key] > (1.0 - 0.2 * TARGET) * before[key] for key in wanted):
                 break
         for k in recursion.special:
-            wanted = [key for key in self.keys if bounds[key] > self.enough(key)]
+            wanted, how = [key for key in self.keys if bounds[key] > self.enough(key)], (ROWS[0], _HALVED)
             if k not in recursion.shared:  # a spring loads its own joint
                 wanted = [x for x in wanted if x.what == "torque" and self.joints[x.place].coordinate == k]
-            bounds.update({key: min(bounds[key], most) for key, most in self._split(k, wanted).items()})
+                how = ROWS[1], 2 * _HALVED
+            bounds.update({key: min(bounds[key], most) for key, most in self._split(k, wanted, *how).items()})
         found = {}
         for key in self.keys:
             value, side, pose = self.worst[key]
@@ -382,10 +383,10 @@ class _Search:
             if max(abs(value), bounds[key]) <= self.nothing:
                 found[key] = Load(0.0, 0.0, unit, self.named(self.rest))
             else:
-                found[key] = Load(value * side, max(bounds[key], abs(value)), unit, self.named(pose))
+                found[key] = Load(value * side, bounds[key], unit, self.named(pose))
         return found
 
-    def _split(self, k: int, wanted: Sequence[Key]) -> dict[Key, float]:
+    def _split(self, k: int, wanted: Sequence[Key], rows: int, most_halved: int) -> dict[Key, float]:
         """Return bounds of keys as the largest of those for pieces of the range of a coordinate, which are halved
         until they are near enough to the worst pose, or short."""
         found = dict.fromkeys(wanted, -inf)
@@ -394,11 +395,11 @@ class _Search:
             start, end, halved, keys = pieces.pop()
             low, high = self.low.copy(), self.high.copy()
             low[k], high[k] = start, end
-            recursion = Recursion(self.model, self.pull, low, high, lattice(ROWS[0]), keys, self.springs)
+            recursion = Recursion(self.model, self.pull, low, high, lattice(rows), keys, self.springs)
             most, more = _largest(recursion), []
             if open_keys := [key for key in keys if most[key] > max(self.enough(key), found[key])]:
                 self.look(recursion, open_keys, sweeps=6, levels=1)
-                more = [key for key in open_keys if most[key] > self.enough(key)] if halved < _HALVED else []
+                more = [key for key in open_keys if most[key] > self.enough(key)] if halved < most_halved else []
             found.update({key: max(found[key], most[key]) for key in keys if key not in more})
             if more:
                 middle = 0.5 * (start + end)

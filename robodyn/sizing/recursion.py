@@ -166,15 +166,15 @@ class Recursion:
         base = Key("tilting", 0)
         if base in self.wanted:
             below[0][base] = lattice.at(lattice.tilting(self.support[0]), lattice.mix(ways))
-        margin, most = ROUNDING * self.scale, dict[Row, float]()
+        most: dict[Row, float] = {}
         for key, values in below[0].items():
             for side, value in zip((1, -1), values.tolist(), strict=True):
-                sprung = (
+                sprung = sum(
                     max(self.spring(i, end, side) for end in self.ends[i])
                     for i, body in enumerate(self.model.bodies)
                     if key == ("torque", body.joint.rate)
                 )
-                most[key, side] = value + sum(sprung) + margin
+                most[key, side] = value + sprung + ROUNDING * (self.scale + abs(sprung))
         return most
 
     @cached_property

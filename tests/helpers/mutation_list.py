@@ -388,7 +388,7 @@ PIECES = {
     ("sizing/test_envelope.py", "sizing/recursion.py"): [
         ("lattice.opposite(one) if joint.multiplier < 0.0 else one", "one"),
         ("weight * product(joint.p, ways) + lattice.at(turned, self.mixes[k])", "lattice.at(turned, self.mixes[k])"),
-        ("value + sum(sprung) + margin", "value + margin"),
+        ("value + sprung + ROUNDING * (self.scale + abs(sprung))", "value + ROUNDING * self.scale"),
     ],
 }
 MUTATIONS: dict[str, list[tuple[str, str, str]]] = {}
