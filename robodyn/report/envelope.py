@@ -24,7 +24,7 @@ Size = dict[str, float]
 
 
 def envelope_sections(found: Envelope) -> Iterator[doc.Section]:
-    """Yield joints with their worst poses, bearings, the base, what can be carried, remarks and the verdict."""
+    """Yield joints with their worst poses, bearings, the base, remarks and the verdict, with what can be carried."""
     size = _sizes(found)
     joints = count(len(found.joints), "joint")
     yield doc.paragraphs([f"{found.robot}: {joints} holding still, {gravity_text(found.scene.gravity)}"])
@@ -48,9 +48,8 @@ def envelope_sections(found: Envelope) -> Iterator[doc.Section]:
     head = ["joint", "tilting moment", "no pose exceeds", "gap", "radial force", "no pose exceeds", "gap"]
     yield [doc.Table("Bearings and guides, at the joint's origin", head, rows)]
     value, bound = _load(found.tipping, size)
-    tipping = f"{value}, no pose exceeds {bound}, gap {_gap(found.tipping)}"
-    yield [doc.Facts((("tipping moment of the base", tipping), ("weight on the base", f"{number(found.weight)} N")))]
-    yield doc.paragraphs(_payload(found))
+    tipping = ("tipping moment of the base", value), ("no pose exceeds", f"{bound} N m, gap {_gap(found.tipping)}")
+    yield [doc.Facts((*tipping, ("weight on the base", f"{number(found.weight)} N")))]
     yield doc.remarks("note", _notes(found))
     end = verdict(found)
     yield doc.paragraphs([f"{end.headline}.", *end.reasons])
@@ -111,24 +110,26 @@ def _notes(found: Envelope) -> Iterator[str]:
 
 
 def verdict(found: Envelope) -> doc.Verdict:
-    """Return whether every pose can be held."""
+    """Return whether every pose can be held, and what can be carried in all."""
     if found.samples is not None and found.samples.share > 1.0:
         return doc.Verdict("bad", f"A random pose exceeds the bound of {found.samples.of}: please report this robot")
     over = found.exceeded
     if over:
         lines = [f"{joint.name}: {_said(joint)}" for joint in over]
         some = "1 joint is" if len(over) == 1 else f"{len(over)} joints are"
-        return doc.Verdict("bad", f"{some} beyond the limit in the worst pose", tuple(lines[:15]))
+        return doc.Verdict("bad", f"{some} beyond the limit in the worst pose", (*lines[:15], *_payload(found)))
     unsure = [x for x in found.joints if x.limit is not None and x.load.bound > BEYOND * x.limit]
     worst = found.worst
     if worst is None:
-        return doc.Verdict("neutral", "No limit of effort or motor is known")
+        return doc.Verdict("neutral", "No limit of effort or motor is known", (*_payload(found),))
     if unsure:
         names = ", ".join(joint.name for joint in unsure)
-        return doc.Verdict("doubtful", f"No pose was found beyond a limit, and none is excluded for {names}")
+        what = f"No pose was found beyond a limit, and none is excluded for {names}"
+        return doc.Verdict("doubtful", what, (*_payload(found),))
     level: doc.Level = "neutral" if found.unlimited else "good"
     where = " that is known" if found.unlimited else ""
-    return doc.Verdict(level, f"Every pose can be held within every limit{where}", (f"{worst.name}: {_said(worst)}.",))
+    reasons = f"{worst.name}: {_said(worst)}.", *_payload(found)
+    return doc.Verdict(level, f"Every pose can be held within every limit{where}", reasons)
 
 
 def _said(joint: JointEnvelope) -> str:
