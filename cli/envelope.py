@@ -18,7 +18,6 @@ from robodyn.cli.options import (
     REPORT,
     SCENE_FILES,
     Call,
-    Pairs,
     Vector,
     option,
     refuse_where,
@@ -36,7 +35,7 @@ _MOST = 10**8
 @click.argument("urdf", type=PATH)
 @takes(
     option("--payload LINK[@X,Y,Z]*", "Find the largest mass there that all poses bear; LINK=KG adds one.", CARRIED),
-    option("--box JOINT=A..B|FILE*", "Narrower ranges, rad or m; or a TOML file of JOINT = [A, B].", BOX),
+    option("--box JOINT=A..B,...", "Narrower ranges, rad or m.", BOX),
     option("--samples N", "Hold so many random poses against the bounds.", click.IntRange(0, _MOST), default=0),
     option("--fail-on-limits", "Exit with 1 if a pose passes a limit of robot or motor."),
     DESCRIPTION,
@@ -49,12 +48,12 @@ def command(
     call: Call,
     urdf: str,
     payload: tuple[Payload | tuple[str, Vector], ...],
-    box: tuple[Pairs, ...],
+    box: dict[str, tuple[float, float]] | None,
     samples: int,
 ) -> int:
     """Find for every joint the pose within the position limits in which weight loads it most, and a bound that no pose
-    exceeds; likewise for bearings and for the base's tipping moment. Gravity, payloads, springs and constant wrenches
-    count, friction at rest does not. A robot named - is standard input.
+    exceeds; likewise for bearings and for the base's tipping moment. Gravity, payloads, springs and forces along
+    gravity count, friction at rest does not. A robot named - is standard input.
 
     \b
     Examples:
@@ -66,13 +65,8 @@ def command(
     wanted = [each for each in payload if not isinstance(each, Payload)]
     refuse_where((len(wanted) > 1, "--payload looks for one mass; give the others as LINK=KG"))
     call = replace(call, payloads=tuple(each for each in payload if isinstance(each, Payload)))
-    ranges: dict[str, tuple[float, float]] = {}
-    for name, ends in (pair for pairs in box for pair in pairs):
-        refuse_where((name in ranges, f"--box names {name!r} twice"))
-        least, _, largest = ends.partition("..")
-        ranges[name] = float(least), float(largest or least)
     model, scene = robot_in_scene(call, urdf)
-    found = envelope(model, scene, box=ranges, payload=wanted[0] if wanted else None, samples=samples)
+    found = envelope(model, scene, box=box, payload=wanted[0] if wanted else None, samples=samples)
     answer(call, envelope_sections(found), partial(envelope_page, found), json=lambda: envelope_json(found))
     beaten = found.samples is not None and found.samples.share > 1.0
     return int(beaten or (call.fail_on_limits and bool(found.exceeded)))

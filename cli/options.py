@@ -278,25 +278,17 @@ def _carried(text: str) -> Payload | tuple[str, Vector]:
     return link, (x, y, z)
 
 
-def _box(text: str) -> Pairs:
-    """Return names of joints with their ranges, least..largest or one value, or those of a TOML file."""
-    if "=" in text and not os.path.isfile(text):
-        parts = [part.partition("=") for part in text.split(",")]
-        found = Pairs((name.strip(), ends.strip()) for name, _, ends in parts)
-    else:
-        from robodyn.scene.toml_table import read_toml
-
-        try:
-            given = read_toml(read_input(text), text)
-        except OSError as error:
-            raise ValueError(f"{text!r} is not JOINT=LEAST..LARGEST, nor a file: {error.strerror}") from None
-        found = Pairs((name, "..".join(map(str, x if isinstance(x, list) else [x]))) for name, x in given.items())
-        found.file = text
-    for name, ends in found:
-        numbers = [finite_numbers(end) for end in ends.split("..")]
-        if not name or len(numbers) > 2 or not all(len(each) == 1 for each in numbers):
-            example = f"{name or 'elbow'} = [-1.0, 1.5]" if found.file else "elbow=-1..1.5"
-            raise ValueError(f"{text}: {name}={ends:.60} is no range, such as {example}")
+def _box(text: str) -> dict[str, tuple[float, float]]:
+    """Return the range of each joint, least..largest or one value."""
+    found: dict[str, tuple[float, float]] = {}
+    for part in text.split(","):
+        name, _, ends = (piece.strip() for piece in part.partition("="))
+        numbers = finite_numbers(ends.replace("..", ","))
+        if not name or len(numbers) not in (1, 2):
+            raise ValueError(f"{part!r} is no range, such as elbow=-1..1.5")
+        if name in found:
+            raise ValueError(f"{text!r} names {name!r} twice")
+        found[name] = numbers[0], numbers[-1]
     return found
 
 
@@ -343,7 +335,7 @@ TABLE_OUT, SCENE_OUT = Output("a table"), Output("a scene that was identified")
 MOTORS_OUT = Output("a scene of chosen motors")
 URDF_OUT, COVARIANCE_OUT = Output("a calibrated description"), Output("a covariance")
 NAMES = Parsed("joints", _names)
-CARRIED, BOX = Parsed("payload", _carried), Parsed("file", _box)
+CARRIED, BOX = Parsed("payload", _carried), Parsed("box", _box)
 POSITIVE, POINT, VALUES = Parsed("number", _positive), Parsed("point", _point), Parsed("at", _at)
 DESCRIPTION = together(
     option("--package-path DIR*", "Where packages are looked for first; repeatable.", FOLDER_THERE, "package_paths"),

@@ -18,13 +18,13 @@ from robodyn.support.wording import count, shown
 _PICTURED = 12
 """Joints whose worst poses a page shows, those that use most of their limits."""
 _GRID = 41
-_COLOURS = ("c1", "c3", "c2", "c6")
-"""Of a map, for each quarter of the worst torque."""
+_COLOURS = ("c1", "c3", "c2", "c6", "bad")
+"""Of a map, for each quarter of the worst torque, and beyond the limit."""
 Size = dict[str, float]
 
 
 def envelope_sections(found: Envelope) -> Iterator[doc.Section]:
-    """Yield joints with their worst poses, bearings, the base, what can be carried, remarks and the verdict."""
+    """Yield joints with their worst poses, bearings, the base, remarks and the verdict, with what can be carried."""
     size = _sizes(found)
     joints = count(len(found.joints), "joint")
     yield doc.paragraphs([f"{found.robot}: {joints} holding still, {gravity_text(found.scene.gravity)}"])
@@ -48,9 +48,8 @@ def envelope_sections(found: Envelope) -> Iterator[doc.Section]:
     head = ["joint", "tilting moment", "no pose exceeds", "gap", "radial force", "no pose exceeds", "gap"]
     yield [doc.Table("Bearings and guides, at the joint's origin", head, rows)]
     value, bound = _load(found.tipping, size)
-    tipping = f"{value}, no pose exceeds {bound}, gap {_gap(found.tipping)}"
-    yield [doc.Facts((("tipping moment of the base", tipping), ("weight on the base", f"{number(found.weight)} N")))]
-    yield doc.paragraphs(_payload(found))
+    tipping = ("tipping moment of the base", value), ("no pose exceeds", f"{bound} N m, gap {_gap(found.tipping)}")
+    yield [doc.Facts((*tipping, ("weight on the base", f"{number(found.weight)} N")))]
     yield doc.remarks("note", _notes(found))
     end = verdict(found)
     yield doc.paragraphs([f"{end.headline}.", *end.reasons])
@@ -111,24 +110,26 @@ def _notes(found: Envelope) -> Iterator[str]:
 
 
 def verdict(found: Envelope) -> doc.Verdict:
-    """Return whether every pose can be held."""
+    """Return whether every pose can be held, and what can be carried in all."""
     if found.samples is not None and found.samples.share > 1.0:
         return doc.Verdict("bad", f"A random pose exceeds the bound of {found.samples.of}: please report this robot")
     over = found.exceeded
     if over:
         lines = [f"{joint.name}: {_said(joint)}" for joint in over]
         some = "1 joint is" if len(over) == 1 else f"{len(over)} joints are"
-        return doc.Verdict("bad", f"{some} beyond the limit in the worst pose", tuple(lines[:15]))
+        return doc.Verdict("bad", f"{some} beyond the limit in the worst pose", (*lines[:15], *_payload(found)))
     unsure = [x for x in found.joints if x.limit is not None and x.load.bound > BEYOND * x.limit]
     worst = found.worst
     if worst is None:
-        return doc.Verdict("neutral", "No limit of effort or motor is known")
+        return doc.Verdict("neutral", "No limit of effort or motor is known", (*_payload(found),))
     if unsure:
         names = ", ".join(joint.name for joint in unsure)
-        return doc.Verdict("doubtful", f"No pose was found beyond a limit, and none is excluded for {names}")
+        what = f"No pose was found beyond a limit, and none is excluded for {names}"
+        return doc.Verdict("doubtful", what, (*_payload(found),))
     level: doc.Level = "neutral" if found.unlimited else "good"
     where = " that is known" if found.unlimited else ""
-    return doc.Verdict(level, f"Every pose can be held within every limit{where}", (f"{worst.name}: {_said(worst)}.",))
+    reasons = f"{worst.name}: {_said(worst)}.", *_payload(found)
+    return doc.Verdict(level, f"Every pose can be held within every limit{where}", reasons)
 
 
 def _said(joint: JointEnvelope) -> str:
@@ -176,33 +177,27 @@ def _maps(found: Envelope, joints: list[JointEnvelope]) -> Iterator[doc.Block]:
     units = {one.name: "m" if one.load.unit == "N" else "rad" for one in found.joints}
     for joint in joints:
         names, at, worst = [*found.box], joint.load.pose, abs(joint.load.value)
-        far: list[float] = []
-        dots: dict[str, tuple[Floats, Floats]] = {}
-        for name, (low, high) in found.box.items():
-            far.append(float(np.ptp(np.abs(_torques(found, joint, {name: np.linspace(low, high, _GRID)})))))
+        lines = [{name: np.linspace(*ends, _GRID)} for name, ends in found.box.items()]
+        far = [float(np.ptp(np.abs(_torques(found, joint, line)))) for line in lines]
         order = ranked(range(len(names)), key=lambda k: far[k])[:2]
         a, b = (names[k] for k in sorted(order if len(order) > 1 else order * 2))
         x, y = (each.ravel() for each in np.meshgrid(*(np.linspace(*found.box[name], _GRID) for name in (a, b))))
         torque = np.abs(_torques(found, joint, {a: x, b: y}))
-        limit, colours = joint.limit or inf, dict[str, str]()
-        for k, colour in enumerate(_COLOURS):
-            low, high = 0.25 * k * worst, 0.25 * (k + 1) * worst
-            for inside, label, its in (
-                ((torque <= limit), f"to {number(high)} {joint.load.unit}", colour),
-                ((torque > limit), "beyond the limit", "bad"),
-            ):
-                chosen = inside & (torque >= low) & (torque < high if k < len(_COLOURS) - 1 else torque >= low)
-                if chosen.any():
-                    before = dots.get(label, (x[:0], y[:0]))
-                    dots[label] = np.append(before[0], x[chosen]), np.append(before[1], y[chosen])
-                    colours[label] = its
+        level = np.minimum(torque * (len(_COLOURS) - 1) / worst, len(_COLOURS) - 2).astype(np.int64)
+        level[torque > (joint.limit or inf)] = len(_COLOURS) - 1
+        tops = [
+            f"to {number(worst * (k + 1) / (len(_COLOURS) - 1))} {joint.load.unit}" for k in range(len(_COLOURS) - 1)
+        ]
+        labels = dict(enumerate([*tops, "beyond the limit"]))
+        dots = {label: (x[level == k], y[level == k]) for k, label in labels.items() if (level == k).any()}
+        colours = {label: _COLOURS[k] for k, label in labels.items()}
         what = f"{printable(joint.name)} over {printable(a)} and {printable(b)}"
         more = "; the others as in its worst pose" if len(names) > 2 else ""
         said = f"worst: {number(joint.load.value)} {joint.load.unit}"
         alt = f"{what}; {said} at {_position(at[a])}, {_position(at[b])}"
-        labels = (f"{printable(name)} [{units[name]}]" for name in (a, b))
+        axes = (f"{printable(name)} [{units[name]}]" for name in (a, b))
         marks = [(at[a], at[b], said, "ink")]
-        charts.append(plane_chart(what + more, alt, *labels, dots=dots, colours=colours, marks=marks))
+        charts.append(plane_chart(what + more, alt, *axes, dots=dots, colours=colours, marks=marks))
     yield from doc.titled("Where it is heavy", doc.gallery(charts))
 
 

@@ -45,6 +45,10 @@ class Lattice:
         x, y, z = np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta) + 0.0 * phi
         return np.array([x.ravel(), y.ravel(), z.ravel()])
 
+    @property
+    def size(self) -> int:
+        return (self.rows + 1) * self.columns
+
     @cached_property
     def sine(self) -> Floats:
         return np.asarray(np.sin(self.polar * np.arange(self.rows + 1))[:, None])
@@ -78,9 +82,9 @@ class Lattice:
         """Return the functions of the opposite directions."""
         return np.asarray(np.roll(values[..., ::-1, :], self.columns // 2, axis=-1))
 
-    def turned(self, values: Floats, low: float, high: float, slope: float = 0.0, start: float = 0.0) -> Floats:
-        """Return bounds of the largest value over turns of the lattice about z by an angle q from low to high [rad],
-        plus `slope q + start`, which is never negative: `max_q f(Rot(z, q)^T w) + slope q + start`.
+    def turned(self, values: Floats, low: float, high: float) -> Floats:
+        """Return bounds of the largest value over turns of the lattice about z by an angle q from low to high [rad]:
+        `max_q f(Rot(z, q)^T w)`.
 
         An arc between two places is their mix, less a part of what stands along z, of up to `bulge`."""
         axial = np.abs(np.cos(self.polar * np.arange(self.rows + 1)))[:, None]
@@ -94,13 +98,9 @@ class Lattice:
             return np.asarray(moved + max(first + second - 1.0, 0.0) * back)
 
         if low == high:
-            return between(low) + (slope * low + start)
+            return between(low)
         first, last = ceil(low / self.step), floor(high / self.step)
-        if slope or start:
-            most = np.maximum(between(low) + (slope * low + start), between(high) + (slope * high + start))
-            for k in range(first, last + 1):
-                np.maximum(most, np.roll(values, k, axis=-1) + (slope * k * self.step + start), out=most)
-        elif last - first + 1 >= self.columns:
+        if last - first + 1 >= self.columns:
             most = np.broadcast_to(values.max(axis=-1, keepdims=True), values.shape)
         else:
             most = np.maximum(between(low), between(high))
@@ -120,17 +120,16 @@ class Lattice:
         """Return the most that the part of `h x g` across z can be in length: `max |h_z g_xy - g_z h_xy|`, by the
         directions of the lattice's longitudes, between which a circle stands out of a polygon."""
         g_z, g_xy = np.cos(self.polar * np.arange(self.rows + 1)), self.sine[:, 0]
-        turn = np.where(g_z > 0.0, self.columns // 2, 0)[:, None] + np.arange(self.columns)
-        most, count = np.zeros(support.shape), min(self.columns, 64)
+        most, count, upwards = np.zeros(support.shape), min(self.columns, 64), g_z > 0.0
         for k in range(0, self.columns, self.columns // count):
             x, z = np.abs(g_z), g_xy * cos(k * self.step)
             theta, size = np.arctan2(x, z), np.hypot(x, z)
             row = np.clip((theta / self.polar).astype(np.int64), 0, self.rows - 1)
             theta = theta - row * self.polar
             upper, lower = (size * np.sin(part) / sin(self.polar) for part in (self.polar - theta, theta))
-            place = (turn + k) % self.columns
-            found = upper[:, None] * support[row[:, None], place] + lower[:, None] * support[row[:, None] + 1, place]
-            np.maximum(most, found, out=most)
+            found = upper[:, None] * support[row] + lower[:, None] * support[row + 1]
+            found[upwards] = np.roll(found[upwards], self.columns // 2, axis=1)
+            np.maximum(most, np.roll(found, -k, axis=1), out=most)
         return most / cos(pi / len(range(0, self.columns, self.columns // count)))
 
 

@@ -1,16 +1,13 @@
 """The poses in which weight asks most of joints, bearings and the base, and the most that a link can carry in any.
 
 What is found in a pose is computed there by the traced recursion of `dynamics`; what no pose exceeds is bounded by that
-of `recursion.py`, which knows weight, springs and what pulls as weight does. Forces that turn with a link, or stand
-across gravity, are bounded apart from it, and the two bounds added.
+of `recursion.py`, which knows weight, springs and what pulls as weight does.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
-from itertools import pairwise
 from math import inf, isfinite, pi
 
 import numpy as np
@@ -19,14 +16,14 @@ from robodyn.dynamics.effects.forces import acting
 from robodyn.dynamics.plan import plan, ready
 from robodyn.errors import InputError, SceneError
 from robodyn.loads.sizing import allowed, train_of
-from robodyn.programs.vectors import frame, length, product
+from robodyn.programs.vectors import frame, product
 from robodyn.robot.kinematics import configuration
 from robodyn.robot.limits import MOST_EFFORT, coordinate_ranges
 from robodyn.robot.model import Joint, Model
 from robodyn.scene.fit import check_scene, known, refuse_constraints
 from robodyn.scene.scene import DEFAULT, Payload, Scene, Vector
 from robodyn.sizing.directions import lattice
-from robodyn.sizing.recursion import Key, Pull, Recursion, along_gravity, weight_of
+from robodyn.sizing.recursion import Key, Pull, Recursion, Row, along_gravity, weight_of
 from robodyn.support.floats import BEYOND, Floats, first_largest
 from robodyn.support.wording import shown
 
@@ -34,12 +31,12 @@ TARGET = 0.005
 """The gap between bound and pose at which the lattice is fine enough."""
 ROWS = (48, 96, 192)
 _MOST = 1.5e8
-"""Values on all lattices of a recursion, from which on the lattice is not made finer."""
+"""Values on all lattices of a recursion, from which on it is not made finer."""
 _LARGEST = 3e8
 """Values on the first lattices, beyond which memory may not suffice."""
-_PIECES = 32
-"""Of the range of a coordinate that several joints follow, each with a bound of its own."""
-_FARTHEST = 1e3
+_HALVED = 5
+"""How often the range of a coordinate that several joints follow is halved; twice as often that of a spring."""
+_FARTHEST = 1e3  # m
 _NOISE = 1e-8
 """Of all weight at the farthest reach: what is less is nothing."""
 _BLOCK = 20_000
@@ -51,7 +48,8 @@ class Load:
     """The largest of a load over all poses.
 
     Attributes:
-        value: found in `pose` [N m or N], a torque with its sign; bound: no pose has more, in magnitude.
+        value: found in `pose` [N m or N], a torque with its sign; bound: no pose has more, in magnitude. Both are 0
+            where that is less than 1e-8 of all weight at its farthest reach.
         pose: rad or m, by coordinate.
     """
 
@@ -186,7 +184,7 @@ def envelope(
 ) -> Envelope:
     """Return the poses within the position limits in which weight loads joints, bearings and the base most.
 
-    A joint without limits turns all the way round. Gravity, payloads, springs, buoyancy and constant wrenches count;
+    A joint without limits turns all the way round. Gravity, payloads, springs, buoyancy and forces along gravity count;
     friction at rest does not. A base that moves is taken as held, its z up.
 
     Args:
@@ -198,7 +196,8 @@ def envelope(
 
     Raises:
         InputError: no joint moves, a slide has no limits, a box is outside the limits, or a joint or link is unknown.
-        SceneError: loops, contacts, joints that do not drive, wrenches by columns, or a fluid that streams.
+        SceneError: loops, contacts, joints that do not drive, a fluid that streams, or wrenches by columns, that turn
+            with a link or stand across gravity.
 
     Accuracy: `value` is that of `inverse_dynamics` at rest in `pose`. No pose exceeds `bound`; its gap is below 1 % for
         arms of up to 7 joints.
@@ -212,15 +211,18 @@ def envelope(
         raise SceneError(what, remedy="give the wrench numbers")
     if any(scene.fluid_velocity) and any(any(each.drag_area) for each in scene.immersed):
         raise SceneError("the fluid streams, and bounds of its drag are not known", remedy="leave velocity out")
+    for wrench in acting(scene, "surroundings"):
+        if not along_gravity(wrench, scene):
+            what = (
+                f"the wrench on {shown(wrench.link)} turns with the link or stands across gravity: it has no bound here"
+            )
+            raise SceneError(what, remedy="leave it out; forces along gravity count, with frame base or world")
     joints = [joint for joint in model.independent if joint.kind != "floating"]
     if not joints:
         raise InputError("no joint moves", remedy="envelope is about joints that hold weight", file=model.file)
-    depth = [0] * len(model.bodies)
-    for i, body in enumerate(model.bodies[1:], start=1):
-        depth[i] = depth[body.parent] + 1
-    if 3 * sum(depth) * lattice(ROWS[0]).sine.size * 2 * ROWS[0] > _LARGEST:
-        raise InputError("there are too many joints in a row", remedy="up to 200 are looked at", file=model.file)
     search = _Search(model, replace(scene, limit_spring=None), *ranges(model, scene, box or {}))
+    if search.functions * lattice(ROWS[0]).size > _LARGEST:
+        raise InputError("there are too many joints in a row", remedy="up to 200 are looked at", file=model.file)
     if not np.isfinite(search.pull.force.sum() + search.pull.moment.sum()):
         raise InputError("weights are too large to be added up", remedy="check gravity and masses", file=model.file)
     bearing = {body.joint.name: i for i, body in enumerate(model.bodies)}
@@ -238,15 +240,11 @@ def envelope(
     )
     if model.floating:
         notes.append("The base is taken as held, with its z up: what it stands on carries it.")
-    if search.others:
-        notes.append(
-            "Forces that turn with links or stand across gravity are bounded apart from weight: gaps are wide."
-        )
     return Envelope(
         model,
         scene,
         tuple(each),
-        found[Key("tipping", 0)],
+        found[Key("tilting", 0)],
         float(search.pull.force.sum()),
         {joint.name: (float(search.low[k]), float(search.high[k])) for joint in joints for k in [joint.coordinate]},
         None if payload is None else search.payload(*payload, limits, found),
@@ -308,23 +306,18 @@ class _Search:
 
     def __init__(self, model: Model, scene: Scene, low: Floats, high: Floats) -> None:
         self.model, self.scene, self.low, self.high = model, scene, low, high
-        self.pull = weight_of(model, scene)
+        self.pull, self.rest = weight_of(model, scene), np.clip(configuration(model), low, high)
         self.springs = {name: (each.stiffness, each.rest) for name, each in scene.spring.items() if each.stiffness}
-        self.rest = np.clip(configuration(model), low, high)
-        counts: dict[int, int] = {}
-        for body in model.bodies[1:]:
-            counts[body.joint.coordinate] = counts.get(body.joint.coordinate, 0) + bool(body.joint.multiplier)
-        self.shared = [k for k, count in counts.items() if count > 1]
-        self.others = [each for each in acting(scene, "surroundings") if not along_gravity(each, self.pull.direction)]
-        self.axes = [
-            frame(np.asarray(body.joint.axis, float)) if i else np.eye(3) for i, body in enumerate(model.bodies)
-        ]
-
-    @cached_property
-    def keys(self) -> list[Key]:
-        torques = [Key("torque", joint.rate) for joint in self.model.independent if joint.kind != "floating"]
-        bearings = [Key(what, i) for i in range(1, len(self.model.bodies)) for what in ("tilting", "radial")]
-        return [*torques, *bearings, Key("tipping", 0)]
+        self.joints = {joint.rate: joint for joint in model.independent if joint.kind != "floating"}
+        bearings = [Key(what, i) for i in range(1, len(model.bodies)) for what in ("tilting", "radial")]
+        self.keys = [*(Key("torque", rate) for rate in self.joints), *bearings, Key("tilting", 0)]
+        depth = [0]
+        for parent in model.parents[1:]:
+            depth.append(depth[parent] + 1)
+        self.functions = 3 * sum(depth)
+        """How many are kept on lattices at most."""
+        self.nothing = 0.0
+        self.worst: dict[Key, tuple[float, int, Floats]] = {}
 
     def outputs(self, q: Floats, scene: Scene | None = None, executor: str = "numpy") -> Floats:
         """(N, n + 6 bodies) torques and wrenches of poses at rest."""
@@ -333,7 +326,7 @@ class _Search:
         zero = np.zeros((len(q), self.model.n))
         return runner({"q": q, "qd": zero, "qdd": zero, "columns": np.empty((len(q), 0))}, len(q), executor=executor)
 
-    def values(self, rows: Sequence[tuple[Key, int]], outputs: Floats) -> Floats:
+    def values(self, rows: Sequence[Row], outputs: Floats) -> Floats:
         """(N,) what each row asks for where outputs has one pose a row."""
         return np.array([self.value(key, outputs[k : k + 1])[0] * side for k, (key, side) in enumerate(rows)])
 
@@ -342,128 +335,79 @@ class _Search:
         if key.what == "torque":
             return outputs[:, key.place]
         first = self.model.n + 6 * key.place + (0 if key.what == "radial" else 3)
-        x, y, _ = product(self.axes[key.place], outputs[:, first : first + 3].T)
+        axis = self.model.bodies[key.place].joint.axis if key.place else (0.0, 0.0, 1.0)
+        x, y, _ = product(frame(np.asarray(axis, float)), outputs[:, first : first + 3].T)
         return np.asarray(np.hypot(x, y))
 
-    def recursion(self, rows: int, pull: Pull | None = None, **how: object) -> Recursion:
-        low, high = how.pop("low", self.low), how.pop("high", self.high)
-        springs = self.springs if pull is None or pull is self.pull else {}
-        return Recursion(self.model, pull or self.pull, low, high, lattice(rows), springs=springs, **how)  # type: ignore[arg-type]
+    def recursion(self, pull: Pull, rows: int, wanted: Collection[Key]) -> Recursion:
+        return Recursion(self.model, pull, self.low, self.high, lattice(rows), wanted, self.springs)
 
-    def bounds(self, recursion: Recursion) -> dict[tuple[Key, int], float]:
-        """Return bounds of each key and side, with what other forces add."""
-        found = {}
-        for (key, side), most in recursion.most.items():
-            plain = Key(key.what, key.place)
-            if key.what == "torque" or side == 1:
-                found[plain, side] = most + self.more.get((plain, side), self.more.get((plain, 1), 0.0))
-        return found
+    def look(self, recursion: Recursion, keys: Collection[Key], sweeps: int = 40, levels: int = 4) -> None:
+        """Keep of each key the worst pose that is found, with its side and value."""
+        rows = [(key, side) for key in keys for side in ((1, -1) if key.what == "torque" else (1,))]
+        q, _ = recursion.poses(rows, np.clip(self.rest, recursion.low, recursion.high), sweeps, levels)
+        for (key, side), pose, value in zip(rows, q, self.values(rows, self.outputs(q)).tolist(), strict=True):
+            before = self.worst[key][0] if key in self.worst else -inf
+            if value > before + max(1e-9 * abs(value), self.nothing):
+                self.worst[key] = value, side, pose
 
-    @cached_property
-    def more(self) -> dict[tuple[Key, int], float]:
-        """What forces that do not pull along gravity add to each key at most."""
-        found: dict[tuple[Key, int], float] = {}
-        for wrench in self.others:
-            body, R, p = self.model.links[wrench.link]
-            f, n = (np.array(each, dtype=float) for each in (wrench.force, wrench.moment))
-            size, force = length(f), np.zeros(len(self.model.bodies))
-            force[body] = size
-            moment = force[:, None] * (product(np.asarray(R, float), np.array(wrench.point, dtype=float)) + p)
-            steady = wrench.frame != "link" and size > 0.0
-            one = self.recursion(ROWS[0], Pull(f / size if steady else self.pull.direction, force, moment))
-            far = [one.scale, *(each.max() * (1.0 + one.lattice.bulge) ** 2 for each in one.support[1:])]
-            for (key, side), most in one.most.items():
-                plain, joints = Key(key.what, key.place), [(1.0, key.place, key.what == "radial")]
-                if key.what == "torque":
-                    own = [(i, body.joint) for i, body in enumerate(self.model.bodies) if i]
-                    own = [(i, joint) for i, joint in own if joint.rate == key.place]
-                    joints = [(abs(joint.multiplier), i, joint.kind == "prismatic") for i, joint in own]
-                anyway = sum(ratio * float(one.carried[i] if straight else far[i]) for ratio, i, straight in joints)
-                added = (most if steady else anyway) + length(n) * sum(x for x, _, straight in joints if not straight)
-                found[plain, side] = found.get((plain, side), 0.0) + added
-        return found
-
-    def poses(self, recursion: Recursion, rows: Sequence[tuple[Key, int]]) -> Floats:
-        """Return (rows, nq) the worst poses that are found for keys and sides."""
-        own = [(Key(key.what, key.place), side) for key, side in rows]
-        q, _ = recursion.poses(own, self.rest)
-        moved = set(self.shared)
-        for joint in self.model.independent:
-            if joint.kind != "floating" and (self.others or joint.name in self.springs):
-                moved.add(joint.coordinate)
-        for _ in range(2 if moved else 0):  # what has no closed form
-            for k in sorted(moved):
-                self._improve(rows, q, k)
-        return q
-
-    def _improve(self, rows: Sequence[tuple[Key, int]], q: Floats, k: int) -> None:
-        """Give one coordinate its best value among some, then among some near that, in all rows."""
-        wide = self.high[k] - self.low[k]
-        for step in (wide / 16, wide / 128, wide / 1024, wide / 8192):
-            tried = np.clip(q[:, k, None] + step * np.arange(-16, 17), self.low[k], self.high[k])
-            tried[:, 0] = q[:, k]
-            many = np.repeat(q, tried.shape[1], axis=0)
-            many[:, k] = tried.ravel()
-            values = self.values([row for row in rows for _ in range(tried.shape[1])], self.outputs(many))
-            values = values.reshape(tried.shape)
-            best = values.argmax(axis=1)
-            better = values.max(axis=1) > values[:, 0] * (1.0 + 1e-12)
-            q[better, k] = tried[np.arange(len(q)), best][better]
+    def enough(self, key: Key) -> float:
+        """A bound that is near enough to the worst pose."""
+        return max(self.worst[key][0] * (1.0 + TARGET), self.nothing)
 
     def loads(self) -> dict[Key, Load]:
         """Return the largest load of each key, and its bound."""
-        rows = [(key, side) for key in self.keys for side in ((1, -1) if key.what == "torque" else (1,))]
-        first = self.recursion(ROWS[0])
-        q, bounds = self.poses(first, rows), self.bounds(first)
-        values = self.values(rows, self.outputs(q))
-        best = {key: [k for k, row in enumerate(rows) if row[0] == key] for key in self.keys}
-        at = {key: each[first_largest(values[each], _NOISE * first.scale)] for key, each in best.items()}
-
-        def still_open() -> set[Key]:
-            most = {key: max(bounds[key, side] for k in best[key] for side in [rows[k][1]]) for key in self.keys}
-            return {key for key in self.keys if most[key] > max(values[at[key]] * (1 + TARGET), _NOISE * first.scale)}
-
+        recursion, wanted = self.recursion(self.pull, ROWS[0], self.keys), self.keys
+        self.nothing, bounds = _NOISE * recursion.scale, _largest(recursion)
+        self.look(recursion, wanted)
         for finer in ROWS[1:]:
-            wanted, before = still_open(), dict(bounds)
-            if not wanted or first.size * (finer / ROWS[0]) ** 2 > _MOST:
+            wanted, before = [key for key in wanted if bounds[key] > self.enough(key)], dict(bounds)
+            if not wanted or self.functions * lattice(finer).size > _MOST:
                 break
-            self._lower(bounds, self.bounds(self.recursion(finer, wanted=frozenset(wanted))))
-            if all(bounds[row] > (1.0 - 0.2 * TARGET) * before[row] for row in rows if row[0] in wanted):
+            recursion = self.recursion(self.pull, finer, wanted)
+            bounds.update({key: min(bounds[key], most) for key, most in _largest(recursion).items()})
+            self.look(recursion, [key for key in wanted if bounds[key] > self.enough(key)])
+            if all(bounds[key] > (1.0 - 0.2 * TARGET) * before[key] for key in wanted):
                 break
-        torques = frozenset(key for key in still_open() if key.what == "torque" and not self.others)
-        for k in self.shared if torques else ():
-            self._split(bounds, k, torques)
+        for k in recursion.special:
+            wanted, how = [key for key in self.keys if bounds[key] > self.enough(key)], (ROWS[0], _HALVED)
+            if k not in recursion.shared:  # a spring loads its own joint
+                wanted = [x for x in wanted if x.what == "torque" and self.joints[x.place].coordinate == k]
+                how = ROWS[1], 2 * _HALVED
+            bounds.update({key: min(bounds[key], most) for key, most in self._split(k, wanted, *how).items()})
         found = {}
         for key in self.keys:
-            k, most = at[key], max(bounds[key, rows[j][1]] for j in best[key])
-            value = float(values[k] * rows[k][1])
-            nothing = max(abs(value), most) <= _NOISE * first.scale
-            unit = "N" if key.what == "radial" or (key.what == "torque" and self._slides(key.place)) else "N m"
-            pose = self.named(self.rest if nothing else q[k])
-            found[key] = Load(0.0 if nothing else value, 0.0 if nothing else max(most, abs(value)), unit, pose)
+            value, side, pose = self.worst[key]
+            slides = key.what == "torque" and self.joints[key.place].kind == "prismatic"
+            unit = "N" if slides or key.what == "radial" else "N m"
+            if max(abs(value), bounds[key]) <= self.nothing:
+                found[key] = Load(0.0, 0.0, unit, self.named(self.rest))
+            else:
+                found[key] = Load(value * side, bounds[key], unit, self.named(pose))
         return found
 
-    @staticmethod
-    def _lower(bounds: dict[tuple[Key, int], float], others: Mapping[tuple[Key, int], float]) -> None:
-        for row, value in others.items():
-            bounds[row] = min(bounds[row], value)
-
-    def _split(self, bounds: dict[tuple[Key, int], float], k: int, wanted: frozenset[Key]) -> None:
-        """Lower bounds where joints move together, by a bound for each piece of their range."""
-        ends, most = np.linspace(self.low[k], self.high[k], _PIECES + 1), dict[tuple[Key, int], float]()
-        for piece in pairwise(ends):
+    def _split(self, k: int, wanted: Sequence[Key], rows: int, most_halved: int) -> dict[Key, float]:
+        """Return bounds of keys as the largest of those for pieces of the range of a coordinate, which are halved
+        until they are near enough to the worst pose, or short."""
+        found = dict.fromkeys(wanted, -inf)
+        pieces = [(self.low[k], self.high[k], 0, wanted)] if wanted else []
+        while pieces:
+            start, end, halved, keys = pieces.pop()
             low, high = self.low.copy(), self.high.copy()
-            low[k], high[k] = piece
-            one = self.bounds(self.recursion(ROWS[1], wanted=wanted, low=low, high=high))
-            most = {row: max(value, most.get(row, -inf)) for row, value in one.items()}
-        self._lower(bounds, most)
-
-    def _slides(self, rate: int) -> bool:
-        return next(joint.kind for joint in self.model.independent if joint.rate == rate) == "prismatic"
+            low[k], high[k] = start, end
+            recursion = Recursion(self.model, self.pull, low, high, lattice(rows), keys, self.springs)
+            most, more = _largest(recursion), []
+            if open_keys := [key for key in keys if most[key] > max(self.enough(key), found[key])]:
+                self.look(recursion, open_keys, sweeps=6, levels=1)
+                more = [key for key in open_keys if most[key] > self.enough(key)] if halved < most_halved else []
+            found.update({key: max(found[key], most[key]) for key in keys if key not in more})
+            if more:
+                middle = 0.5 * (start + end)
+                pieces += [(start, middle, halved + 1, more), (middle, end, halved + 1, more)]
+        return found
 
     def named(self, q: Floats) -> dict[str, float]:
-        names = [joint for joint in self.model.independent if joint.kind != "floating"]
-        return {joint.name: float(q[joint.coordinate]) + 0.0 for joint in names}
+        return {joint.name: float(q[joint.coordinate]) + 0.0 for joint in self.joints.values()}
 
     def payload(self, link: str, point: Vector, limits: Mapping[int, float], found: Mapping[Key, Load]) -> PayloadLimit:
         """Return the largest mass at a point of a link that every pose bears within limits, by entry of tau.
@@ -472,53 +416,43 @@ class _Search:
         too large the least that a pose allows is taken, again and again; the bound at that mass and the one without
         have one between them that holds for all masses between."""
         known("--payload", "link", link, self.model.links)
-        names = {joint.rate: joint.name for joint in self.model.independent}
+        if max(map(abs, point)) > _FARTHEST:
+            raise InputError(f"--payload {link}: {max(map(abs, point)):g} m is too far out", remedy="the point is in m")
         for rate, limit in limits.items():
             one = found[Key("torque", rate)]
             if abs(one.value) > BEYOND * limit:
-                return PayloadLimit(link, point, 0.0, 0.0, names[rate], one.pose, one.value, limit)
+                return PayloadLimit(link, point, 0.0, 0.0, self.joints[rate].name, one.pose, one.value, limit)
         loaded = replace(self.scene, payloads=(*self.scene.payloads, Payload(link, 1.0, point)))
-        wanted = frozenset(Key("torque", rate) for rate in limits)
-        rows = [(key, side) for key in sorted(wanted) for side in (1, -1)]
-        most = np.array([limits[key.place] for key, _ in rows])
-
-        def parts(q: Floats) -> tuple[Floats, Floats]:
-            without = self.values(rows, self.outputs(q))
-            return without, self.values(rows, self.outputs(q, loaded)) - without
+        whole = weight_of(self.model, loaded)
+        alone = Pull(whole.direction, whole.force - self.pull.force, whole.moment - self.pull.moment)
+        rows = [(Key("torque", rate), side) for rate in limits for side in (1, -1)]
+        wanted, most = {key for key, _ in rows}, np.array([limits[key.place] for key, _ in rows])
+        bare = np.array([found[key].bound for key, _ in rows])
 
         def pulled(mass: float, finer: int = ROWS[0]) -> Recursion:
-            more = weight_of(self.model, self.scene, [Payload(link, mass, point)])
-            force, moment = self.pull.force + more.force, self.pull.moment + more.moment
-            springs = {"springs": self.springs}
-            pull = Pull(self.pull.direction, force, moment)
-            return Recursion(
-                self.model, pull, self.low, self.high, lattice(finer), bearings=False, wanted=wanted, **springs
-            )
+            pull = Pull(alone.direction, self.pull.force + mass * alone.force, self.pull.moment + mass * alone.moment)
+            return self.recursion(pull, finer, wanted)
 
-        alone = self.recursion(
-            ROWS[0], weight_of(self.model, self.scene, [Payload(link, 1.0, point)]), bearings=False, wanted=wanted
-        )
-        _, slope = parts(self.poses(alone, rows))
-        bare = np.array([found[key].bound for key, _ in rows])
-        with np.errstate(divide="ignore"):
-            mass = float(np.min(np.where(slope > _NOISE * alone.scale, (most + bare) / slope, inf), initial=inf))
-        if not isfinite(mass):
-            return PayloadLimit(link, point, None, None)
-        mass *= 1.001  # so that some pose allows less
+        first = self.recursion(alone, ROWS[0], wanted)
+        nothing = _NOISE * first.scale
+        mass, worst = inf, None
+        q, _ = first.poses(rows, self.rest)
         for _ in range(30):
-            recursion = pulled(mass)
-            q = self.poses(recursion, rows)
-            without, slope = parts(q)
+            without = self.values(rows, self.outputs(q))
+            slope = self.values(rows, self.outputs(q, loaded)) - without
             with np.errstate(divide="ignore", invalid="ignore"):
-                allowed_here = np.where(slope > 0.0, np.maximum(most - without, 0.0) / slope, inf)
-            k, last = first_largest(-allowed_here), mass
-            if allowed_here[k] < mass:
-                mass, worst = float(allowed_here[k]), (rows[k], q[k], float(without[k] + allowed_here[k] * slope[k]))
+                allowed = np.where(slope > nothing, np.maximum(most - without, 0.0) / slope, inf)
+            k, last = first_largest(-allowed), mass
+            if allowed[k] < mass:
+                mass, worst = float(allowed[k]), (rows[k], q[k], float(without[k] + allowed[k] * slope[k]))
             if not mass < last * (1.0 - 1e-9):
                 break
+            q, _ = pulled(mass).poses(rows, self.rest)
+        if worst is None:
+            return PayloadLimit(link, point, None, None)
         certified = 0.0
         for finer in ROWS:
-            bounds = self.bounds(pulled(mass, finer))
+            bounds = pulled(mass, finer).most
             heavy = np.array([bounds[row] for row in rows])
             with np.errstate(divide="ignore", invalid="ignore"):
                 shares = np.where(heavy > most, np.maximum(most - bare, 0.0) / (heavy - bare), 1.0)
@@ -526,13 +460,12 @@ class _Search:
             if certified >= mass * (1.0 - TARGET):
                 break
         (key, side), pose, torque = worst
-        limit = limits[key.place]
-        return PayloadLimit(link, point, mass, certified, names[key.place], self.named(pose), side * torque, limit)
+        limit, name = limits[key.place], self.joints[key.place].name
+        return PayloadLimit(link, point, mass, certified, name, self.named(pose), side * torque, limit)
 
     def sampled(self, found: Mapping[Key, Load], count: int) -> Sampled:
         """Hold random poses against the bounds."""
-        random, share, of = np.random.default_rng(0), 0.0, ""
-        names = {**{joint.rate: joint.name for joint in self.model.independent}}
+        random, share, of = np.random.default_rng(0), 0.0, Key("tilting", 0)
         for start in range(0, count, _BLOCK):
             size = min(_BLOCK, count - start)
             q = self.low + random.random((size, self.model.nq)) * (self.high - self.low)
@@ -540,12 +473,16 @@ class _Search:
             for key, load in found.items():
                 most = float(np.abs(self.value(key, outputs)).max())
                 if load.bound and most / load.bound > share:
-                    share = most / load.bound
-                    joint = names[key.place] if key.what == "torque" else self.model.bodies[key.place].joint.name
-                    of = {"torque": joint, "tipping": "tipping of the base"}.get(
-                        key.what, f"{key.what} load of {joint}"
-                    )
-        return Sampled(count, share, of)
+                    share, of = most / load.bound, key
+        if of.what == "torque":
+            return Sampled(count, share, self.joints[of.place].name)
+        name = self.model.bodies[of.place].joint.name
+        return Sampled(count, share, f"{of.what} load of {name}" if of.place else "tipping of the base")
+
+
+def _largest(recursion: Recursion) -> dict[Key, float]:
+    """The larger bound of the two sides of each key."""
+    return {key: max(recursion.most[key, side] for side in (1, -1)) for key in recursion.wanted}
 
 
 def _wrenches(a_plan: object) -> object:

@@ -12,16 +12,16 @@ Each is a function of one direction, whatever the number of joints, and exact bu
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from robodyn.programs.vectors import arctan2, frame, length, product
 from robodyn.robot.model import Model
-from robodyn.scene.scene import DEFAULT, ExternalWrench, Payload, Scene
-from robodyn.sizing.directions import Lattice, Mix
+from robodyn.scene.scene import DEFAULT, ExternalWrench, Scene
+from robodyn.sizing.directions import Lattice
 from robodyn.support.floats import Floats, first_of_ties
 
 TRIED = 32
@@ -41,22 +41,14 @@ class Pull(NamedTuple):
     moment: Floats
 
 
-def weight_of(model: Model, scene: Scene = DEFAULT, payloads: Iterable[Payload] | None = None) -> Pull:
-    """Return what pulls along gravity, or of it payloads alone: bodies, payloads, buoyancy, forces along it."""
-    g = np.array(scene.gravity, dtype=float)
-    size = length(g)
-    direction = g / size if size else np.array([0.0, 0.0, -1.0])
-    whole = payloads is None
-    force = np.array([body.inertia.m * size * whole for body in model.bodies], dtype=float)
-    moment = np.array([np.asarray(body.inertia.mc, float) * size * whole for body in model.bodies])
-    points = [(each.link, each.com, each.mass * size) for each in (scene.payloads if payloads is None else payloads)]
-    if whole:
-        points += [(each.link, each.centre, -scene.fluid_density * each.volume * size) for each in scene.immersed]
-        points += [
-            (each.link, each.point, float(np.dot(each.force, direction)))
-            for each in scene.wrenches
-            if each.cause == "surroundings" and along_gravity(each, direction)
-        ]
+def weight_of(model: Model, scene: Scene = DEFAULT) -> Pull:
+    """Return what pulls along gravity: bodies, payloads, buoyancy, forces along it."""
+    size, direction = length(np.array(scene.gravity, dtype=float)), down(scene)
+    force = np.array([body.inertia.m * size for body in model.bodies], dtype=float)
+    moment = np.array([np.asarray(body.inertia.mc, float) * size for body in model.bodies])
+    points = [(each.link, each.com, each.mass * size) for each in scene.payloads]
+    points += [(each.link, each.centre, -scene.fluid_density * each.volume * size) for each in scene.immersed]
+    points += [(each.link, each.point, float(np.dot(each.force, direction))) for each in scene.wrenches]
     for link, point, pull in points:
         body, R, p = model.links[link]
         force[body] += pull
@@ -64,27 +56,36 @@ def weight_of(model: Model, scene: Scene = DEFAULT, payloads: Iterable[Payload] 
     return Pull(direction, force, moment)
 
 
-def along_gravity(wrench: ExternalWrench, direction: Floats) -> bool:
+def down(scene: Scene) -> Floats:
+    """The direction of gravity in the base's axes; -z where there is none."""
+    g = np.array(scene.gravity, dtype=float)
+    return g / length(g) if g.any() else np.array([0.0, 0.0, -1.0])
+
+
+def along_gravity(wrench: ExternalWrench, scene: Scene) -> bool:
     """Whether a wrench is a force along gravity, whatever the pose."""
     force = np.array(wrench.force, dtype=float)
-    aside = length(np.cross(force, direction))
+    aside = length(np.cross(force, down(scene)))
     return wrench.frame != "link" and not any(wrench.moment) and aside <= 1e-15 * length(force)
 
 
 class Key(NamedTuple):
-    """What is asked for: "torque" (place: the entry of tau; side: 1 of tau, -1 of -tau, 0 of both), and of a joint's
-    bearing "tilting" or "radial", of the base "tipping" (place: the body; side 0)."""
+    """What is asked for: "torque" (place: the entry of tau), or of a joint's bearing, or the base as body 0, what is
+    across its axis: "tilting" moment or "radial" force (place: the body)."""
 
     what: str
     place: int
-    side: int = 0
+
+
+Row = tuple[Key, int]
+"""A key and a side: 1 of tau, -1 of -tau."""
 
 
 class Recursion:
     """The recursion of one robot, pull and lattice.
 
     Attributes:
-        most: of each key, and side -1 or 1, a bound of the most that weight, and springs, ask for [N m, N].
+        most: of each key and side a bound of the most that weight, and springs, ask for [N m, N].
     """
 
     def __init__(
@@ -94,18 +95,15 @@ class Recursion:
         low: Floats,
         high: Floats,
         lattice: Lattice,
-        *,
+        wanted: Collection[Key],
         springs: Mapping[str, tuple[float, float]] | None = None,
-        bearings: bool = True,
-        wanted: frozenset[Key] | None = None,
     ) -> None:
         """Args:
         low, high: (nq,) of each coordinate [rad or m]; an angle turns once at most, unless a spring or others follow.
         springs: stiffness and rest of joints, by name.
-        wanted: keys of side 0; None: all.
         """
-        self.model, self.pull, self.lattice, self.low, self.high = model, pull, lattice, low, high
-        self.springs, self.bearings, self.wanted = springs or {}, bearings, wanted
+        self.model, self.pull, self.low, self.high = model, pull, low, high
+        self.lattice, self.wanted, self.springs = lattice, wanted, springs or {}
         bodies, parents = model.bodies, model.parents
         self.carried = pull.force.copy()
         for i in reversed(range(1, len(bodies))):
@@ -116,83 +114,68 @@ class Recursion:
         self.ends = [
             sorted(self.position(i, end) for end in (low, high)) if i else [0.0, 0.0] for i in range(len(bodies))
         ]
-        self._mixes: dict[int, Mix] = {}
+        # of the directions of the lattice of a body's parent on its own
+        turns = [product(self.inwards[i], self.axes[parent].T) for i, parent in enumerate(parents)]
+        self.mixes = [lattice.mix(product(turn, lattice.directions)) for turn in turns]
         self.support: list[Floats] = [np.empty(0)] * len(bodies)
-        self.turned: list[Floats] = list(self.support)
         self.keys: list[list[Key]] = [[] for _ in bodies]
         self.values: list[Floats] = list(self.support)
-        self.added: dict[Key, float] = {}
-        self.most: dict[tuple[Key, int], float] = {}
         self._inward()
-        self._outward()
+        self.most = self._outward()
 
     def position(self, i: int, q: Floats) -> float:
         joint = self.model.bodies[i].joint
         return float(joint.multiplier * q[joint.coordinate] + joint.offset)
 
-    @property
-    def size(self) -> int:
-        """How many values are on all lattices."""
-        return sum(len(keys) for keys in self.keys) * (self.lattice.rows + 1) * self.lattice.columns
-
-    def _mix(self, i: int) -> Mix:
-        """Return the directions of the lattice of a body's parent on its own."""
-        if i not in self._mixes:
-            parent = self.model.parents[i]
-            ways = product(self.inwards[i], product(self.axes[parent].T, self.lattice.directions))
-            self._mixes[i] = self.lattice.mix(ways)
-        return self._mixes[i]
-
-    def _carries(self, i: int, w: Floats, mix: Mix) -> Floats:
-        """Return what body i, with all that it carries, adds to the support of its parent in directions w (3, N)."""
-        joint, weight = self.model.bodies[i].joint, self.carried[i]
-        found = weight * product(joint.p, w) + self.lattice.at(self.turned[i], mix)
-        if joint.kind == "prismatic":
-            along = weight * product(product(joint.R, joint.axis), w)
-            found += np.maximum(self.ends[i][0] * along, self.ends[i][1] * along)
-        return np.asarray(found)
-
     def _inward(self) -> None:
-        lattice, parents = self.lattice, self.model.parents
-        shape = (lattice.rows + 1, lattice.columns)
-        for i in reversed(range(1, len(parents))):
+        lattice, bodies = self.lattice, self.model.bodies
+        for i in reversed(range(len(bodies))):
             ways = product(self.axes[i].T, lattice.directions)
             support = product(self.pull.moment[i], ways)
-            for k in range(i + 1, len(parents)):
-                if parents[k] == i:
-                    support += self._carries(k, ways, self._mix(k))
-            self.support[i] = self.turned[i] = support.reshape(shape)
-            if self.model.bodies[i].joint.kind == "revolute":
-                self.turned[i] = lattice.turned(self.support[i], *self.ends[i])
+            for k in range(i + 1, len(bodies)):
+                if bodies[k].parent != i:
+                    continue
+                joint, weight, turned = bodies[k].joint, self.carried[k], self.support[k]
+                if joint.kind == "revolute":
+                    turned = lattice.turned(turned, *self.ends[k])
+                support += weight * product(joint.p, ways) + lattice.at(turned, self.mixes[k])
+                if joint.kind == "prismatic":
+                    along = weight * product(product(joint.R, joint.axis), ways)
+                    support += np.maximum(self.ends[k][0] * along, self.ends[k][1] * along)
+            self.support[i] = support.reshape(lattice.rows + 1, lattice.columns)
 
-    def _outward(self) -> None:
-        """Note what weight asks of joints, and carry it to the base."""
-        lattice, parents, down = self.lattice, self.model.parents, self.pull.direction
+    def _outward(self) -> dict[Row, float]:
+        """Return what weight asks of joints, carried to the base, of gravity's direction and its opposite there."""
+        lattice, parents = self.lattice, self.model.parents
+        ways = np.stack([-self.pull.direction, self.pull.direction], axis=1)
         below: list[dict[Key, Floats]] = [{} for _ in parents]
-        ends: dict[tuple[Key, int], float] = {}
         for i in reversed(range(1, len(parents))):
-            own = self._own(i)
-            for key, value in own.items():
-                below[i][key] = below[i][key] + value if key in below[i] else value
+            for key, value in self._own(i).items():
+                below[i][key] = below[i].get(key, 0.0) + value
             if not below[i]:
                 continue
             self.keys[i], self.values[i] = [*below[i]], np.stack([*below[i].values()])
-            passed = self._passed(i, own)
-            if parents[i]:
-                resampled = lattice.at(passed, self._mix(i)).reshape(passed.shape)
-                for key, value in zip(self.keys[i], resampled, strict=True):
-                    there = below[parents[i]]
-                    there[key] = there[key] + value if key in there else value
-            else:
-                both = lattice.at(passed, lattice.mix(product(self.inwards[i], np.stack([-down, down], axis=1))))
-                for key, pair in zip(self.keys[i], both.tolist(), strict=True):
-                    for side, value in zip((1, -1), pair, strict=True):
-                        if key.side in (0, side):
-                            ends[key, side] = ends.get((key, side), 0.0) + value
-        if self.bearings:
-            ends[self.base, 1] = float(self._tipped().max()) / np.cos(np.pi / self.tipping.shape[1])
-        margin = ROUNDING * self.scale
-        self.most = {(key, side): value - self.added.get(key, 0.0) + margin for (key, side), value in ends.items()}
+            passed, mix = self.values[i], self.mixes[i]
+            if self.model.bodies[i].joint.kind == "revolute":
+                passed = lattice.turned(passed, *self.ends[i])
+            if not parents[i]:
+                mix = lattice.mix(product(self.inwards[i], ways))
+            for key, value in zip(self.keys[i], lattice.at(passed, mix), strict=True):
+                there = value.reshape(self.support[0].shape) if parents[i] else value
+                below[parents[i]][key] = below[parents[i]].get(key, 0.0) + there
+        base = Key("tilting", 0)
+        if base in self.wanted:
+            below[0][base] = lattice.at(lattice.tilting(self.support[0]), lattice.mix(ways))
+        most: dict[Row, float] = {}
+        for key, values in below[0].items():
+            for side, value in zip((1, -1), values.tolist(), strict=True):
+                sprung = sum(
+                    max(self.spring(i, end, side) for end in self.ends[i])
+                    for i, body in enumerate(self.model.bodies)
+                    if key == ("torque", body.joint.rate)
+                )
+                most[key, side] = value + sprung + ROUNDING * (self.scale + abs(sprung))
+        return most
 
     @cached_property
     def scale(self) -> float:
@@ -202,75 +185,49 @@ class Recursion:
         return float(np.abs(self.pull.force).sum() * reach + np.abs(self.pull.moment).sum()) or 1.0
 
     @cached_property
-    def tipping(self) -> Floats:
-        """(3, N) gravity across each direction in the base's x and y."""
-        angle = 2.0 * np.pi * np.arange(256) / 256
-        round_about = np.array([np.cos(angle), np.sin(angle), 0.0 * angle])
-        return np.asarray(np.cross(self.pull.direction, round_about, axisb=0).T)
+    def shared(self) -> list[int]:
+        """The coordinates that several joints follow."""
+        owners = [body.joint.coordinate for body in self.model.bodies[1:] if body.joint.multiplier]
+        return sorted({k for k in owners if owners.count(k) > 1})
+
+    @cached_property
+    def special(self) -> list[int]:
+        """The coordinates in which a torque has no closed form: shared ones, or with a spring."""
+        sprung = {body.joint.coordinate for body in self.model.bodies[1:] if body.joint.name in self.springs}
+        return sorted({*self.shared, *sprung})
 
     def _own(self, i: int) -> dict[Key, Floats]:
-        """Return what is asked for at joint i, of the direction of gravity in the body's axes."""
+        """Return what weight asks for at joint i, of the direction of gravity in the body's axes."""
         joint, lattice, support = self.model.bodies[i].joint, self.lattice, self.support[i]
         found: dict[Key, Floats] = {}
-        if self._asked("torque", joint.rate):
+        if (key := Key("torque", joint.rate)) in self.wanted:
             level = np.cos(lattice.polar * np.arange(lattice.rows + 1))[:, None] + np.zeros(lattice.columns)
             one = self.carried[i] * level if joint.kind == "prismatic" else lattice.across(support)
-            size, other = abs(joint.multiplier), lattice.opposite(one) if joint.multiplier < 0.0 else one
-            for side in self.sides(joint.rate):
-                found[Key("torque", joint.rate, side)] = size * other
-        if self.bearings and self._asked("tilting", i):
-            found[Key("tilting", i)] = lattice.tilting(support)
-        if self.bearings and self._asked("radial", i):
-            found[Key("radial", i)] = abs(self.carried[i]) * lattice.sine + np.zeros(lattice.columns)
+            found[key] = abs(joint.multiplier) * (lattice.opposite(one) if joint.multiplier < 0.0 else one)
+        if (key := Key("tilting", i)) in self.wanted:
+            found[key] = lattice.tilting(support)
+        if (key := Key("radial", i)) in self.wanted:
+            found[key] = abs(self.carried[i]) * lattice.sine + np.zeros(lattice.columns)
         return found
 
-    def _asked(self, what: str, place: int) -> bool:
-        return self.wanted is None or Key(what, place) in self.wanted
-
-    def sides(self, rate: int) -> tuple[int, ...]:
-        """Return the sides of a torque that are functions of their own: those of gravity mirror each other."""
-        joints = [body.joint for body in self.model.bodies[1:] if body.joint.rate == rate]
-        plain = len(joints) == 1 and joints[0].name not in self.springs
-        return (0,) if plain else (1, -1)
-
-    def spring(self, i: int, side: int) -> tuple[float, float]:
-        """Return slope and value at 0 of what the spring of joint i adds to a torque on this side, by its position."""
+    def spring(self, i: int, position: Any, side: Any) -> Any:
+        """Return what the spring of joint i adds to `side` times the torque of its coordinate."""
         joint = self.model.bodies[i].joint
         stiffness, rest = self.springs.get(joint.name, (0.0, 0.0))
-        return side * joint.multiplier * stiffness, -side * joint.multiplier * stiffness * rest
+        return side * joint.multiplier * stiffness * (position - rest)
 
-    def _passed(self, i: int, own: Mapping[Key, Floats]) -> Floats:
-        """Return the values of body i as functions of gravity in the axes of the joint's placement: over all turns."""
-        joint, (low, high), values = self.model.bodies[i].joint, self.ends[i], self.values[i]
-        passed = self.lattice.turned(values, low, high) if joint.kind == "revolute" else values.copy()
-        for k, key in enumerate(self.keys[i]):
-            slope, start = self.spring(i, key.side) if key in own and key.what == "torque" else (0.0, 0.0)
-            if slope or start:
-                least = min(slope * low, slope * high) + start
-                self.added[key] = self.added.get(key, 0.0) + max(-least, 0.0)
-                start += max(-least, 0.0)
-                if joint.kind == "revolute":
-                    passed[k] = self.lattice.turned(values[k], low, high, slope, start)
-                else:
-                    passed[k] += max(slope * low, slope * high) + start
-        return passed
-
-    def poses(self, rows: Sequence[tuple[Key, int]], rest: Floats, sweeps: int = 40) -> tuple[Floats, Floats]:
+    def poses(self, rows: Sequence[Row], rest: Floats, sweeps: int = 40, levels: int = 4) -> tuple[Floats, Floats]:
         """Return (rows, nq) poses of the largest value of each key and side that is found, and these values: those of
-        the maxima on the lattice, then of each joint in turn its best position, where `a + b cos q + c sin q` has it,
-        until that gains nothing, `sweeps` times at most. Coordinates that do not matter are at `rest`, those that
-        several joints share where it is best for one, or at an end or in the middle."""
+        the maxima on the lattice; then, `sweeps` times at most, of each joint in turn its best position, where `a + b
+        cos q + c sin q` has it; of coordinates without such a form the best of some, `levels` times finer each.
+        Coordinates that do not matter are at `rest`."""
         state = _Rows(self, rows, np.tile(rest, (len(rows), 1)))
         chosen = np.zeros(state.q.shape, dtype=bool)
-        places = [self.kept(*row) for row in rows]
-        if self.base.what in [key.what for key, _ in rows]:
-            best = self.tipping[:, first_of_ties(self._tipped()[None])[0]]
-            state.w[:, [key == self.base for key, _ in rows]] = best[:, None]
 
         def by_lattice(i: int, g: Floats, w: Floats) -> None:
             joint, (low, high) = self.model.bodies[i].joint, self.ends[i]
             kinds = {key: k for k, key in enumerate(self.keys[i])}
-            kind = np.array([kinds.get(key, len(kinds)) for key in places])
+            kind = np.array([kinds.get(key, len(kinds)) for key, _ in rows])
             above = kind < len(kinds)
             free = np.flatnonzero((above | w.any(axis=0)) & ~chosen[:, joint.coordinate])
             if not len(free) or not joint.multiplier:
@@ -283,41 +240,20 @@ class Recursion:
             else:
                 found = self.carried[i] * w[2, free, None] * tried
             for row, k in enumerate(free.tolist()):
-                if rows[k][0].what == "torque" and rows[k][0].place == joint.rate:
-                    slope, start = self.spring(i, rows[k][1])
-                    found[row] += slope * tried + start
+                if rows[k][0] == ("torque", joint.rate):
+                    found[row] += self.spring(i, tried, rows[k][1])
             state.q[free, joint.coordinate] = (tried[first_of_ties(found)] - joint.offset) / joint.multiplier
             chosen[free, joint.coordinate] = True
 
         state.outward(by_lattice, tilts=True)
-        owners = [body.joint.coordinate for body in self.model.bodies[1:] if body.joint.kind != "floating"]
-        if shared := sorted({k for k in owners if owners.count(k) > 1}):
-            tried = [state.q.copy() for _ in range(4)]
-            for q, part in zip(tried[1:], (0.0, 0.5, 1.0), strict=True):
-                q[:, shared] = (self.low + part * (self.high - self.low))[shared]
-            which = first_of_ties(np.array([state.asked(q) for q in tried]).T)
-            state.q = np.array(tried)[which, np.arange(len(rows))]
-        for _ in range(sweeps):
-            state.inward()
-            if state.outward(state.best) <= _CONVERGED:
-                break
-        return state.q, state.asked(state.q)
-
-    @property
-    def base(self) -> Key:
-        return Key("tipping", 0)
-
-    def _tipped(self) -> Floats:
-        """(N,) what weight asks of the base about each direction of `tipping`."""
-        value = product(self.pull.moment[0], self.tipping)
-        for i, parent in enumerate(self.model.parents):
-            if parent == 0:
-                value += self._carries(i, self.tipping, self.lattice.mix(product(self.inwards[i], self.tipping)))
-        return np.asarray(value)
-
-    def kept(self, key: Key, side: int) -> Key:
-        """Return the key under which the values of a key and side are."""
-        return Key("torque", key.place, 0 if 0 in self.sides(key.place) else side) if key.what == "torque" else key
+        for _ in range(2 if self.special and levels > 1 else 1):
+            for k in self.special:
+                state.search(k, levels)
+            for _ in range(sweeps):
+                state.inward()
+                if state.outward(state.best) <= _CONVERGED:
+                    break
+        return state.q, state.asked()
 
     def _tried(self, values: Floats, which: Floats, way: Floats, tried: Floats) -> Floats:
         """(rows, N) values of kind `which` (rows,), at directions (3, rows) turned back by each angle."""
@@ -333,53 +269,48 @@ class _Rows:
     moment of what that carries, g against gravity or along it, by the side, e its axis or across it. In the turn of a
     joint above, this is g . v with v = e x h; below, w . h with w = g x e. All are in the axes of lattices."""
 
-    values: Floats
-    """(rows,) of torques, before the last of `outward`."""
-
-    def __init__(self, of: Recursion, rows: Sequence[tuple[Key, int]], q: Floats) -> None:
+    def __init__(self, of: Recursion, rows: Sequence[Row], q: Floats) -> None:
         self.of, self.rows, self.q = of, rows, q
-        self.g = np.array([[-side] for _, side in rows]).T * of.pull.direction[:, None]
-        self.w = np.zeros((3, len(rows)))  # of the base
+        self.sides = np.array([side for _, side in rows], dtype=float)
+        self.g = -self.sides * of.pull.direction[:, None]
         self.e = np.zeros((3, len(rows)))
-        self.about: list[list[int]] = [[] for _ in of.model.bodies]
-        for i, body in enumerate(of.model.bodies):
-            for k, (key, _) in enumerate(rows):
-                if key.place == (body.joint.rate if key.what == "torque" else i) and (i or key == of.base):
-                    self.about[i].append(k)
-        self.h: list[Floats] = []
-        self.v: list[Floats] = []
+        self.values = np.zeros(len(rows))
+        """(rows,) what is asked for, of the last of `outward`, of torques before it."""
+        places: dict[Key, list[int]] = {}
+        for k, (key, _) in enumerate(rows):
+            places.setdefault(key, []).append(k)
+        self.about = [
+            [(key.what, np.array(places[key])) for key in self._keys(i) if key in places]
+            for i in range(len(of.model.bodies))
+        ]
         self.inward()
+
+    def _keys(self, i: int) -> list[Key]:
+        torques = [Key("torque", self.of.model.bodies[i].joint.rate)] if i else []
+        return [*torques, Key("tilting", i), Key("radial", i)]
 
     def inward(self) -> None:
         """Find h and v of all bodies in all rows."""
         of, bodies, count = self.of, self.of.model.bodies, len(self.rows)
-        self.h = [
-            np.repeat(product(turn, moment)[:, None], count, axis=1)
-            for turn, moment in zip(of.axes, of.pull.moment, strict=True)
-        ]
+        moments = [product(turn, moment)[:, None] for turn, moment in zip(of.axes, of.pull.moment, strict=True)]
+        self.h = [np.repeat(moment, count, axis=1) for moment in moments]
         self.v = [np.zeros((3, count)) for _ in bodies]
-        for i in reversed(range(len(bodies))):
-            joint, h, v = bodies[i].joint, self.h[i], self.v[i]
-            for k in self.about[i]:
-                what = self.rows[k][0].what
-                e = np.array([0.0, 0.0, joint.multiplier]) if what == "torque" else self.e[:, k]
+        for i in reversed(range(1, len(bodies))):
+            joint, parent, h, v = bodies[i].joint, bodies[i].parent, self.h[i], self.v[i]
+            for what, k in self.about[i]:
+                e = np.outer((0.0, 0.0, joint.multiplier), np.ones(len(k))) if what == "torque" else self.e[:, k]
                 straight = what == "radial" or (what == "torque" and joint.kind == "prismatic")
-                v[:, k] += of.carried[i] * e if straight else np.cross(e, h[:, k])
-            if i == 0:
-                continue
-            parent, position = bodies[i].parent, self.position(i)
+                v[:, k] += of.carried[i] * e if straight else np.cross(e, h[:, k], axis=0)
             back = product(of.axes[parent], of.inwards[i].T)
-            moment = of.carried[i] * product(of.axes[parent], joint.p)[:, None]
             if joint.kind == "revolute":
-                h, v = _turned(h, -position), _turned(v, -position)
+                h, v = _turned(h, -self.position(i)), _turned(v, -self.position(i))
             else:
-                h = h + of.carried[i] * np.array([0.0, 0.0, 1.0])[:, None] * position
-            self.h[parent] += product(back, h) + moment
+                h = h + of.carried[i] * np.array([[0.0], [0.0], [1.0]]) * self.position(i)
+            self.h[parent] += product(back, h) + of.carried[i] * product(of.axes[parent], joint.p)[:, None]
             self.v[parent] += product(back, v)
 
-    def asked(self, q: Floats) -> Floats:
-        """Return (rows,) the torques in poses q, which are taken."""
-        self.q = q
+    def asked(self) -> Floats:
+        """(rows,) what is asked for in the poses q."""
         self.inward()
         self.outward(lambda *_: None)
         return self.values
@@ -390,55 +321,68 @@ class _Rows:
 
     def outward(self, choose: Callable[[int, Floats, Floats], float | None], tilts: bool = False) -> float:
         """Let each joint in turn `choose` its position, given g and w in its axes before its turn; return the largest
-        gain, as a share of its row's amplitude."""
-        of, model, gain, self.values = self.of, self.of.model, 0.0, np.zeros(len(self.rows))
-        g, w = [self.g], [self.w]
-        self._across(0, self.g, self.w)
+        gain, as a share of the scale. Rows about bearings and the base choose e: at first, `tilts`, by the lattice."""
+        of, model, gain = self.of, self.of.model, 0.0
+        self.values = np.zeros(len(self.rows))
+        g, w = [self.g], [np.zeros_like(self.g)]
+        self._across(0, g[0], w[0], tilts)
         for i in range(1, len(model.bodies)):
             joint, parent = model.bodies[i].joint, model.parents[i]
             here_g, here_w = (product(of.inwards[i], each[parent]) for each in (g, w))
             gain = max(gain, choose(i, here_g, here_w) or 0.0)
             if joint.kind == "revolute":
                 here_g, here_w = (_turned(each, self.position(i)) for each in (here_g, here_w))
-            for k in self.about[i]:
-                if self.rows[k][0].what == "torque":
-                    own = np.cross(here_g[:, k], (0.0, 0.0, joint.multiplier))
-                    slides = joint.kind == "prismatic"
-                    here_w[:, k] += 0.0 if slides else own
-                    asked = joint.multiplier * of.carried[i] * here_g[2, k] if slides else own @ self.h[i][:, k]
-                    self.values[k] += asked
+            for k in (k for what, k in self.about[i] if what == "torque"):
+                if joint.kind == "prismatic":
+                    self.values[k] += joint.multiplier * of.carried[i] * here_g[2, k]
+                else:
+                    own = np.cross(here_g[:, k], (0.0, 0.0, joint.multiplier), axisa=0).T
+                    here_w[:, k] += own
+                    self.values[k] += (own * self.h[i][:, k]).sum(axis=0)
+                self.values[k] += of.spring(i, self.position(i)[k], self.sides[k])
             self._across(i, here_g, here_w, tilts)
             g.append(product(of.axes[i].T, here_g))
             w.append(product(of.axes[i].T, here_w))
         return gain
 
-    def _across(self, i: int, g: Floats, w: Floats, tilts: bool = False) -> None:
+    def _across(self, i: int, g: Floats, w: Floats, tilts: bool) -> None:
         """Choose, for rows about a bearing or the base, the direction e in which they count, and their w."""
-        for k in self.about[i]:
-            what, x = self.rows[k][0].what, g[:, k]
+        lattice = self.of.lattice
+        for what, k in self.about[i]:
             if what == "torque":
                 continue
+            x, h = g[:, k], self.h[i][:, k]
+            along = x if what == "radial" else np.cross(h, x, axis=0)
+            if what == "tilting" and tilts:
+                level = lattice.directions.reshape(3, -1, lattice.columns)[:, lattice.rows // 2]
+                ways = np.cross(x[:, :, None], level[:, None], axis=0)
+                most = lattice.at(self.of.support[i], lattice.mix(ways.reshape(3, -1)))
+                along = level[:, first_of_ties(most.reshape(len(k), -1))]
+            along = along * [[1.0], [1.0], [0.0]]
+            size = np.sqrt((along * along).sum(axis=0))
+            e = np.where(size > 0.0, along / np.where(size > 0.0, size, 1.0), [[1.0], [0.0], [0.0]])
+            self.e[:, k] = e
             if what == "radial":
-                along = x.copy()
-            elif tilts:
-                lattice = self.of.lattice
-                ways = np.cross(x, lattice.directions.reshape(3, -1, lattice.columns)[:, lattice.rows // 2].T).T
-                best = first_of_ties(lattice.at(self.of.support[i], lattice.mix(ways))[None])[0]
-                along = lattice.directions.reshape(3, -1, lattice.columns)[:, lattice.rows // 2, best]
-            elif i == 0 and not self.e[:, k].any() and w[:, k].any():
-                along = np.cross(w[:, k], x)
+                self.values[k] = abs(self.of.carried[i]) * size
             else:
-                along = np.cross(self.h[i][:, k], x)
-            along = along * (1.0, 1.0, 0.0)
-            size = float(np.sqrt((along * along).sum()))
-            self.e[:, k] = along / size if size > 0.0 else (1.0, 0.0, 0.0)
-            if what != "radial":
-                w[:, k] = np.cross(x, self.e[:, k])
+                w[:, k] = np.cross(x, e, axis=0)
+                self.values[k] = (w[:, k] * h).sum(axis=0)
+
+    def search(self, k: int, levels: int) -> None:
+        """Give one coordinate its best value among some, then among some near that, in all rows."""
+        low, high = self.of.low[k], self.of.high[k]
+        for level in range(1, levels + 1):
+            steps = (high - low) * 8.0**-level * np.array(sorted(range(-8, 9), key=abs))
+            tried = np.clip(self.q[:, k] + steps[:, None], low, high)
+            many = np.tile(self.q, (len(steps), 1))
+            many[:, k] = tried.ravel()
+            values = _Rows(self.of, [*self.rows] * len(steps), many).asked().reshape(tried.shape)
+            self.q[:, k] = tried[first_of_ties(values.T), np.arange(len(self.q))]
 
     def best(self, i: int, g: Floats, w: Floats) -> float:
         """Give a joint that moves alone its best position in every row; return the largest gain."""
         of, joint, (low, high) = self.of, self.of.model.bodies[i].joint, self.of.ends[i]
-        if of.sides(joint.rate) != (0,):
+        if joint.coordinate in of.special or not joint.multiplier:
             return 0.0
         q, here, scale = self.q[:, joint.coordinate], self.position(i), of.scale
         if joint.kind == "prismatic":

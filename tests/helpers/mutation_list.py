@@ -391,8 +391,8 @@ PIECES = {
     ],
     ("sizing/test_envelope.py", "sizing/recursion.py"): [
         ("lattice.opposite(one) if joint.multiplier < 0.0 else one", "one"),
-        ("weight * product(joint.p, w) + self.lattice.at(self.turned[i], mix)", "self.lattice.at(self.turned[i], mix)"),
-        ("value - self.added.get(key, 0.0) + margin", "value + margin"),
+        ("weight * product(joint.p, ways) + lattice.at(turned, self.mixes[k])", "lattice.at(turned, self.mixes[k])"),
+        ("value + sprung + ROUNDING * (self.scale + abs(sprung))", "value + ROUNDING * self.scale"),
     ],
 }
 MUTATIONS: dict[str, list[tuple[str, str, str]]] = {}

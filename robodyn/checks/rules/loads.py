@@ -54,14 +54,14 @@ def static_torques(context: Context) -> list[tuple[Joint, float, Floats]]:
         return []
     low, high = position_ranges(model)
     wanted = frozenset(Key("torque", joint.rate) for joint in joints)
-    recursion = Recursion(model, weight_of(model), low, high, lattice(ROWS), bearings=False, wanted=wanted)
+    recursion = Recursion(model, weight_of(model), low, high, lattice(ROWS), wanted)
     joints = [
         x for x in joints if max(recursion.most[Key("torque", x.rate), side] for side in (1, -1)) > (x.effort or 0.0)
     ]
     rows = [(Key("torque", joint.rate), side) for joint in joints for side in (1, -1)]
     if not rows:
         return []
-    q, values = recursion.poses(rows, np.clip(np.zeros(model.n), low, high), _SWEEPS)
+    q, values = recursion.poses(rows, np.clip(np.zeros(model.n), low, high), _SWEEPS, levels=1)
     found = []
     for k, joint in enumerate(joints):
         worst = 2 * k + first_largest(values[2 * k : 2 * k + 2])
