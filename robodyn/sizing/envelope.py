@@ -370,7 +370,7 @@ class _Search:
             if all(bounds[key] > (1.0 - 0.2 * TARGET) * before[key] for key in wanted):
                 break
         for k in recursion.special:
-            wanted, how = [key for key in self.keys if bounds[key] > self.enough(key)], (ROWS[0], _HALVED)
+            wanted, how = [key for key in self.keys if bounds[key] > self.enough(key)], (ROWS[1], _HALVED)
             if k not in recursion.shared:  # a spring loads its own joint
                 wanted = [x for x in wanted if x.what == "torque" and self.joints[x.place].coordinate == k]
                 how = ROWS[1], 2 * _HALVED
