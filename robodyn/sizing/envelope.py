@@ -370,11 +370,11 @@ class _Search:
             if all(bounds[key] > (1.0 - 0.2 * TARGET) * before[key] for key in wanted):
                 break
         for k in recursion.special:
-            wanted, how = [key for key in self.keys if bounds[key] > self.enough(key)], (ROWS[1], _HALVED)
+            wanted, most_halved = [key for key in self.keys if bounds[key] > self.enough(key)], _HALVED
             if k not in recursion.shared:  # a spring loads its own joint
                 wanted = [x for x in wanted if x.what == "torque" and self.joints[x.place].coordinate == k]
-                how = ROWS[1], 2 * _HALVED
-            bounds.update({key: min(bounds[key], most) for key, most in self._split(k, wanted, *how).items()})
+                most_halved = 2 * _HALVED
+            bounds.update({key: min(bounds[key], most) for key, most in self._split(k, wanted, most_halved).items()})
         found = {}
         for key in self.keys:
             value, side, pose = self.worst[key]
@@ -386,7 +386,7 @@ class _Search:
                 found[key] = Load(value * side, bounds[key], unit, self.named(pose))
         return found
 
-    def _split(self, k: int, wanted: Sequence[Key], rows: int, most_halved: int) -> dict[Key, float]:
+    def _split(self, k: int, wanted: Sequence[Key], most_halved: int) -> dict[Key, float]:
         """Return bounds of keys as the largest of those for pieces of the range of a coordinate, which are halved
         until they are near enough to the worst pose, or short."""
         found = dict.fromkeys(wanted, -inf)
@@ -395,7 +395,7 @@ class _Search:
             start, end, halved, keys = pieces.pop()
             low, high = self.low.copy(), self.high.copy()
             low[k], high[k] = start, end
-            recursion = Recursion(self.model, self.pull, low, high, lattice(rows), keys, self.springs)
+            recursion = Recursion(self.model, self.pull, low, high, lattice(ROWS[1]), keys, self.springs)
             most, more = _largest(recursion), []
             if open_keys := [key for key in keys if most[key] > max(self.enough(key), found[key])]:
                 self.look(recursion, open_keys, sweeps=6, levels=1)
