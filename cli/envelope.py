@@ -24,7 +24,7 @@ from robodyn.cli.options import (
     takes,
 )
 from robodyn.cli.screen import answer
-from robodyn.report.envelope import envelope_json, envelope_page, envelope_sections
+from robodyn.report.sizing.envelope import envelope_json, envelope_page, envelope_sections
 from robodyn.scene.scene import Payload
 from robodyn.sizing.envelope import envelope
 

@@ -11,7 +11,7 @@ from robodyn.cli import options
 from robodyn.cli.files import ROBOT, TABLE, check_names, expect, robot_in_scene
 from robodyn.cli.options import Call, Parsed, finite_numbers, option, takes
 from robodyn.cli.screen import answer, write_table
-from robodyn.report.retime import retime_json, retime_page, retime_sections
+from robodyn.report.sizing.retime import retime_json, retime_page, retime_sections
 from robodyn.sizing.retime import GRID, PROFILES, RATE, retime
 from robodyn.trajectory.write import format_of
 

@@ -58,7 +58,7 @@ def command(
       robodyn size robots/puma560.urdf robots/puma560_sweep.csv --catalog robots/catalogue/motors.csv
       robodyn size robots/scara.urdf motion.csv --catalog motors.csv --gears gears.csv --init --report sizes.html
     """
-    from robodyn.report.catalogue import size_json, size_page, size_sections
+    from robodyn.report.sizing.catalogue import size_json, size_page, size_sections
     from robodyn.support.files import write_whole
     from robodyn.trajectory.read import read_motion
 

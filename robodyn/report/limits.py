@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from robodyn.errors import Caveat
 from robodyn.loads.result import JointLoad, Result
 from robodyn.report.document import Bars, Block, Level, Section, Table, Verdict, paragraphs, select
-from robodyn.report.sizing import in_words, probability, uses
+from robodyn.report.motor_loads import in_words, probability, uses
 from robodyn.report.table import first_names, is_noise, number, percent, printable
 from robodyn.robot.limits import Coverage, Excess
 from robodyn.support.floats import ranked, steady

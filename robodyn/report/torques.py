@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 from robodyn.loads.result import JointLoad, MomentumReport, Result
 from robodyn.report.document import Block, Paragraph, Section, Table, encode, paragraphs, remarks, select, written
 from robodyn.report.limits import exceeded_section, limits_data, limits_verdict, unchecked_words, use, verdict_on_limits
+from robodyn.report.motor_loads import constraint_sections, pose_sizing_sections, sizing_sections, uncertainty_sections
 from robodyn.report.sizes import Sizes, result_sizes, speed_unit
-from robodyn.report.sizing import constraint_sections, pose_sizing_sections, sizing_sections, uncertainty_sections
 from robodyn.report.table import (
     Columns,
     Content,

@@ -23,9 +23,9 @@ from robodyn.report import document as doc
 from robodyn.report import stage
 from robodyn.report.charts import Course, plane_chart, time_chart
 from robodyn.report.equations import action_table
-from robodyn.report.heat import heat_charts
 from robodyn.report.limits import effort_use, limits_verdict, offenders, use_bars, worst_joint
 from robodyn.report.sizes import Sizes, free_body_sizes, result_sizes, speed_unit
+from robodyn.report.sizing.heat import heat_charts
 from robodyn.report.table import first_names, gravity_text, is_noise, moment, number, printable
 from robodyn.report.torques import load_table, torques_json, torques_sections
 from robodyn.robot.kinematics import Values, beyond_limits, configuration, nearest_to_zero

@@ -12,7 +12,7 @@ from scipy.integrate import trapezoid
 
 from robodyn.loads.result import Exceeded
 from robodyn.loads.sizing import train_of
-from robodyn.report.sizing import in_words
+from robodyn.report.motor_loads import in_words
 from robodyn.scene.read import load_scene
 
 PUMA = [str(ROBOTS / name) for name in ("puma560.urdf", "puma560_sweep.csv")]

@@ -17,7 +17,7 @@ from robodyn.equations.linearized.modes import Mode
 from robodyn.report.document import Facts, Paragraph, Table, finite, paragraphs, remarks, text, written
 from robodyn.report.linearized import moves
 from robodyn.report.measured import bar
-from robodyn.report.sizing import probability
+from robodyn.report.motor_loads import probability
 from robodyn.report.table import NEGLIGIBLE, Page, number, printable
 
 ARM, MOTION = str(ROBOTS / "puma560.urdf"), str(ROBOTS / "puma560_sweep.csv")

@@ -1,0 +1,1 @@
+"""Paths in time, worst poses, catalogues and heat, as text, JSON and pages."""
