@@ -56,9 +56,10 @@ class Coverage:
     unchecked: tuple[Unchecked, ...]
 
 
-def binding(limit: float | None) -> float | None:
-    """Return a limit of effort or velocity, None where there is none: by the practice of URDF 0 means none."""
-    return limit if limit is not None and limit > 0.0 else None
+def binding(limit: float | None, most: float = np.inf) -> float | None:
+    """Return a limit of effort or velocity, None where there is none: by the practice of URDF 0 means none, and so does
+    what is not below `most`."""
+    return limit if limit is not None and 0.0 < limit < most else None
 
 
 def coverage(joints: Sequence[Joint]) -> tuple[Coverage, ...]:

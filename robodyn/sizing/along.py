@@ -143,11 +143,9 @@ def bounds_of(model: Model, scene: Scene, acceleration: PerJoint | None, jerk: P
     for body in model.bodies:
         joint = body.joint
         if joint.kind in ("revolute", "prismatic") and joint.multiplier:
-            limit = binding(joint.velocity)
-            if limit is not None and limit < MOST_VELOCITY:
+            if (limit := binding(joint.velocity, MOST_VELOCITY)) is not None:
                 velocity[joint.rate] = min(velocity[joint.rate], speed * limit / abs(joint.multiplier))
-            limit = binding(joint.effort)
-            if limit is not None and limit < MOST_EFFORT and joint.mimics is None:
+            if (limit := binding(joint.effort, MOST_EFFORT)) is not None and joint.mimics is None:
                 effort[joint.rate] = limit
     found = ((joint.rate, train_of(joint, scene)) for joint in model.independent)
     trains = tuple((i, train) for i, train in found if train is not None)

@@ -13,12 +13,13 @@ from math import inf, isfinite, pi
 import numpy as np
 
 from robodyn.dynamics.effects.forces import acting
-from robodyn.dynamics.plan import plan, ready
+from robodyn.dynamics.plan import Plan, plan, ready
 from robodyn.errors import InputError, SceneError
 from robodyn.loads.sizing import allowed, train_of
+from robodyn.programs.program import Program
 from robodyn.programs.vectors import frame, product
 from robodyn.robot.kinematics import configuration
-from robodyn.robot.limits import MOST_EFFORT, coordinate_ranges
+from robodyn.robot.limits import MOST_EFFORT, binding, coordinate_ranges
 from robodyn.robot.model import Joint, Model
 from robodyn.scene.fit import check_scene, known, refuse_constraints
 from robodyn.scene.scene import DEFAULT, Payload, Scene, Vector
@@ -231,13 +232,12 @@ def envelope(
     for joint in joints:
         own = (Key("torque", joint.rate), Key("tilting", bearing[joint.name]), Key("radial", bearing[joint.name]))
         torque, tilting, radial = (found[key] for key in own)
-        each.append(JointEnvelope(joint.name, torque, _effort(joint), _motor(joint, scene), tilting, radial))
-    limits = {joint.rate: one.limit for joint, one in zip(joints, each, strict=True) if one.limit is not None}
-    notes = (
-        ["Friction holds nothing here: at rest it may help or not."]
-        if scene.friction or any(joint.friction for joint in joints)
-        else []
-    )
+        limits = binding(joint.effort, MOST_EFFORT), _motor(joint, scene)
+        each.append(JointEnvelope(joint.name, torque, *limits, tilting, radial))
+    limited = {joint.rate: one.limit for joint, one in zip(joints, each, strict=True) if one.limit is not None}
+    notes = []
+    if scene.friction or any(joint.friction for joint in joints):
+        notes.append("Friction holds nothing here: at rest it may help or not.")
     if model.floating:
         notes.append("The base is taken as held, with its z up: what it stands on carries it.")
     return Envelope(
@@ -247,7 +247,7 @@ def envelope(
         found[Key("tilting", 0)],
         float(search.pull.force.sum()),
         {joint.name: (float(search.low[k]), float(search.high[k])) for joint in joints for k in [joint.coordinate]},
-        None if payload is None else search.payload(*payload, limits, found),
+        None if payload is None else search.payload(*payload, limited, found),
         search.sampled(found, samples) if samples else None,
         tuple(one.name for one in each if one.limit is None),
         tuple(notes),
@@ -285,10 +285,6 @@ def ranges(model: Model, scene: Scene, box: Box) -> tuple[Floats, Floats]:
     for _, k in model.quaternions:
         low[k - 3 : k + 4] = high[k - 3 : k + 4] = (*(0.0,) * 6, 1.0)
     return low, high
-
-
-def _effort(joint: Joint) -> float | None:
-    return joint.effort if joint.effort is not None and 0.0 < joint.effort < MOST_EFFORT else None
 
 
 def _motor(joint: Joint, scene: Scene) -> float | None:
@@ -485,5 +481,5 @@ def _largest(recursion: Recursion) -> dict[Key, float]:
     return {key: max(recursion.most[key, side] for side in (1, -1)) for key in recursion.wanted}
 
 
-def _wrenches(a_plan: object) -> object:
-    return a_plan.wrenches(True)  # type: ignore[attr-defined]
+def _wrenches(a_plan: Plan) -> Program:
+    return a_plan.wrenches(joints=True)

@@ -27,10 +27,9 @@ class Rows(NamedTuple):
 
 
 class Pass(NamedTuple):
-    """x (N + 1,) of the fastest pass, and u (N,); if there is none, the number of the interval that stops it."""
+    """x (N + 1,) of the fastest pass; if there is none, the number of the interval that stops it."""
 
     x: Floats
-    u: Floats
     stuck: int | None = None
 
 
@@ -90,16 +89,15 @@ class Intervals:
         free = (at_rest >= 0.0).all(axis=1).tolist()
         p, q = list(self.p), list(self.q)
         top = bottom = 0.0
-        x = u = np.zeros(0)
         for k in range(n - 1, -1, -1):
             half = 0.5 / steps[k]
             top, bottom = _ends(p[k], q[k], tops[k], bottoms[k], top, bottom, half, free[k])
             if not bottom <= top:
-                return Pass(high, np.zeros(n), k)
+                return Pass(high, k)
             high[k], low[k] = top, bottom
         if low[0] > 0.0:
-            return Pass(high, np.zeros(n), 0)
-        x, u, now = np.zeros(n + 1), np.zeros(n), 0.0
+            return Pass(high, 0)
+        x, now = np.zeros(n + 1), 0.0
         highs, lows = high.tolist(), low.tolist()
         for k in range(n):
             values = p[k] - q[k] * now
@@ -108,11 +106,10 @@ class Intervals:
             step = 2.0 * steps[k]
             after = now + step * max(min(up, (highs[k + 1] - now) / step), down)
             after = min(max(after, lows[k + 1]), highs[k + 1])
-            u[k], now = (after - now) / step, after
-            x[k + 1] = now
+            x[k + 1] = now = after
             if now == 0.0 and x[k] == 0.0:
-                return Pass(x, u, k)
-        return Pass(x, u)
+                return Pass(x, k)
+        return Pass(x)
 
 
 def _ends(

@@ -297,14 +297,18 @@ def _check(profile: str, speed: float, blend: float | None, rate: float, grid: i
         (profile not in PROFILES, f"no profile {shown(profile)}", f"one of {', '.join(PROFILES)}"),
         (not 0.0 < speed <= 1.0, f"speed is {100 * speed:g} %", "more than 0 %, at most 100 % of the velocity limits"),
         (blend is not None and not 0.0 <= blend < np.inf, f"blend is {blend}", "0 or more"),
-        (blend is not None and profile != "optimal", f"--blend goes with optimal: {profile} stops at way-points", "-"),
+        (
+            blend is not None and profile != "optimal",
+            f"--blend does not go with {profile}",
+            "it stops at way-points",
+        ),
         (jerk is not None and profile == "trapezoid", "a trapezoid has no limit of jerk", "--profile scurve"),
         (not 0.0 < rate < np.inf, f"rate is {rate:g}", "rows per second, positive"),
         (not 10 <= grid <= MOST_GRID, f"a grid of {grid} intervals", f"10 to {MOST_GRID}"),
     ]
     for holds, what, remedy in wrong:
         if holds:
-            raise InputError(what, remedy=None if remedy == "-" else remedy)
+            raise InputError(what, remedy=remedy)
 
 
 def _check_range(model: Model, path: Path, grid: int) -> None:

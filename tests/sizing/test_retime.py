@@ -421,7 +421,7 @@ def test_positions_beyond_a_limit_are_told():
         ("slide", [[0.0], [1.0]], {"speed": 1.5}, "speed is 150 %"),
         ("slide", [[0.0], [1.0]], {"acceleration": -1.0}, "acceleration is -1"),
         ("slide", [[0.0], [1.0]], {"jerk": [1.0, 2.0]}, "2 numbers for 1 joint"),
-        ("slide", [[0.0], [1.0]], {"blend": 0.1, "profile": "scurve"}, "goes with optimal"),
+        ("slide", [[0.0], [1.0]], {"blend": 0.1, "profile": "scurve"}, "does not go with scurve"),
         ("slide", [[0.0], [1.0]], {"rate": 1e9}, "rows"),
         ("slide", [[0.0], [1e300]], {}, "x is at 1e+300"),
         ("slide", np.linspace(0.0, 1.0, 600)[:, None], {"profile": "trapezoid"}, "600 way-points to stop at"),
