@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from contextlib import ExitStack
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
     from robodyn.report.document import Document
     from robodyn.robot.model import Model
     from robodyn.scene.scene import Scene
+    from robodyn.trajectory.motion import Trajectory
+    from robodyn.trajectory.read import TrajectoryReader
 
 _EXECUTOR = "numpy starts at once, compiled makes machine code; default auto: the quicker."
 MOST = 8
@@ -59,7 +62,7 @@ class TorquesCommand(click.Command):
     options.AT,
     options.QD,
     option("--qdd QDD", "Accelerations, likewise; default none.", options.VALUES),
-    option("--reactions", "Write the wrenches of the base and of every joint to --out too; of --at print them."),
+    option("--reactions", "Write the wrenches of the base and of every joint to --out too."),
     option("--sizing", "Add duty, motors, bearings, foundation; as a scene with motors does."),
     option("--momentum", "Mass centre, momenta, energies, power: report them, and write them to --out."),
     option("--about POINT", "Of L: origin (default), com or X,Y,Z.", options.POINT),
@@ -114,15 +117,10 @@ def command(
         (posed and call.at is None, f"{posed} goes with --at"),
         (not posed and not trajectories, "Missing argument 'TRAJECTORY...', or --at for one pose."),
     )
-    loads: dict[str, Any] = {"momentum": None, "sizing": sizing or None, "reactions": reactions}
-    loads |= {"explain": explain, "executor": call.executor, "threads": call.threads}
     if posed:
-        along: dict[str, object] = {"measured": measured, "cutoff": cutoff, "accuracy": call.accuracy, "out": call.out}
-        along |= {"example": example, "jobs": jobs, "dask": dask, call.reading_given[2:]: call.reading_given}
-        along |= {"momentum": momentum, "about": about, "frame": frame}
-        why = "is for trajectories, and --at is of one pose"
-        refuse_where(*((value, f"--{name} {why}") for name, value in along.items()))
-        return _posed(call, urdf, qdd, loads)
+        along: dict[str, object] = {"--measured": measured, "--accuracy": call.accuracy, "--example": example}
+        along[call.reading_given] = call.reading_given
+        refuse_where(*((value, f"{name} is for trajectories, not for one pose") for name, value in along.items()))
     if measured:
         others: dict[str, object] = {"fail-on-limits": call.fail_on_limits, "out": call.out, "reactions": reactions}
         others |= {"sizing": sizing, "momentum": momentum, "explain": explain, "accuracy": call.accuracy}
@@ -141,8 +139,13 @@ def command(
         return 0
     # Many are told by their number, by wildcards, or by results that go to a folder.
     wild = any(set("*?[") & set(name) and not os.path.lexists(name) for name in trajectories)
-    folder = call.out is not None and (
-        call.out[-1:] in (os.sep, "/") or (os.path.isdir(call.out) and not call.out.lower().endswith((*FILE_TYPES,)))
+    folder = (
+        trajectories
+        and call.out is not None
+        and (
+            call.out[-1:] in (os.sep, "/")
+            or (os.path.isdir(call.out) and not call.out.lower().endswith((*FILE_TYPES,)))
+        )
     )
     many = len(trajectories) > 1 or wild or folder
     refuse_where(
@@ -155,6 +158,8 @@ def command(
         (not many and jobs is not None, "--jobs goes with many trajectories: give several, or --out FOLDER/"),
         (not many and dask is not None, "--dask goes with many trajectories: give several, or --out FOLDER/"),
     )
+    loads: dict[str, Any] = {"momentum": None, "sizing": sizing or None, "reactions": reactions}
+    loads |= {"explain": explain, "executor": call.executor, "threads": call.threads}
     if momentum:
         from robodyn.dynamics.momenta import GROUND, View
 
@@ -165,41 +170,22 @@ def command(
         from robodyn.cli.torques_batch import run_batch
 
         return run_batch(call, urdf, trajectories, loads, jobs, dask)
-    return _single(call, urdf, trajectories[0], loads, example)
+    return _single(call, urdf, trajectories[0] if trajectories else "", qdd, loads, example)
 
 
-def _posed(call: Call, urdf: str, qdd: Any, loads: dict[str, Any]) -> int:
-    from robodyn.loads.accumulate import output_names
-    from robodyn.loads.torques import torques
-    from robodyn.report.limits import verdict_section
-    from robodyn.report.torques import pose_sections, torques_json
-    from robodyn.report.torques_page import torques_page
-    from robodyn.trajectory.read import pose
-
-    check_names()
-    model, scene = robot_in_scene(call, urdf, loops=True, contacts=True)
-    state, columns = pose(model, call.at, call.qd or (), qdd or (), scene), []
-    sinks = [lambda _, values: columns.append(values[0])]
-    result = torques(model, state, scene, sinks=sinks, history=call.pictured, **loads)
-    names = output_names(model, loads["reactions"], scene=scene)
-    sections = list(pose_sections(result, names, columns[0], loads["explain"]))
-    page, last = partial(torques_page, result, model, scene, pose=sections), verdict_section(result)
-    answer(call, sections, page, last=last, json=lambda: torques_json(result))
-    return int(call.fail_on_limits and result.within_limits is False)
-
-
-def _single(call: Call, urdf: str, trajectory: str, loads: dict[str, Any], example: bool) -> int:
+def _single(call: Call, urdf: str, trajectory: str, qdd: Any, loads: dict[str, Any], example: bool) -> int:
     from robodyn.cli.progress import watched
     from robodyn.loads.accumulate import output_names
     from robodyn.loads.torques import torques
     from robodyn.report.limits import verdict_section
-    from robodyn.report.torques import torques_sections
-    from robodyn.trajectory.read import read_motion
+    from robodyn.report.torques import torques_json, torques_sections
+    from robodyn.trajectory.read import pose, read_motion
     from robodyn.trajectory.write import format_of, open_writer
 
     check_names()
     expect(ROBOT, urdf)
-    expect(TABLE, trajectory)
+    if trajectory:
+        expect(TABLE, trajectory)
     if call.out:
         format_of(call.out)
     model, scene = robot_in_scene(call, urdf, loops=True, contacts=True)
@@ -209,15 +195,19 @@ def _single(call: Call, urdf: str, trajectory: str, loads: dict[str, Any], examp
     if way is not None and way.executor:
         loads["executor"] = way.executor
     names = output_names(model, loads["reactions"], loads["momentum"] is not None, scene)
+    sinks: list[Callable[..., None]] = []
     with ExitStack() as stack:
-        reader = stack.enter_context(read_motion(trajectory, model, scene, **call.reading))
-        sinks = []
+        motion: Trajectory | TrajectoryReader
+        if trajectory:
+            motion = stack.enter_context(read_motion(trajectory, model, scene, **call.reading))
+            sinks.append(stack.enter_context(watched(motion)))
+        else:
+            motion = pose(model, call.at, call.qd or (), qdd or (), scene)
         if call.out is not None:  # the file is there whole when all ends well
             from robodyn.support.threads import write_behind
 
             sinks.append(stack.enter_context(write_behind(stack.enter_context(open_writer(call.out, names)).write)))
-        sinks.append(stack.enter_context(watched(reader)))
-        result = torques(model, reader, scene, sinks=sinks, history=call.pictured, **loads)
+        result = torques(model, motion, scene, sinks=sinks, history=call.pictured, **loads)
     result = way.fulfilled(result) if way else result
     lines = ""
     if example:
@@ -236,13 +226,8 @@ def _single(call: Call, urdf: str, trajectory: str, loads: dict[str, Any], examp
 
         return torques_page(result, model, scene, pictures)
 
-    def json() -> str:
-        from robodyn.report.torques import torques_json
-
-        return torques_json(result)
-
-    sections = torques_sections(result, loads["explain"])
-    answer(call, sections, document, lines, last=verdict_section(result), json=json)
+    sections, last = torques_sections(result, loads["explain"]), verdict_section(result)
+    answer(call, sections, document, lines, last=last, json=lambda: torques_json(result))
     unmet = result.accuracy is not None and not result.accuracy.met
     return int(unmet or (call.fail_on_limits and result.within_limits is False))
 

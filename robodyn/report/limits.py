@@ -139,9 +139,7 @@ def exceeded_words(excess: Excess) -> str:
 def _exceeded(result: Result | Simulation) -> list[tuple[str, str]]:
     """Return joint and sentence of all that is exceeded, once: first what breaks, by how many times the limit it is."""
     found: list[tuple[bool, float, str, str]] = []
-    pose = getattr(result, "samples", 0) == 1
-    of_pose: dict[str, Any] = {"time": None, "seconds": 0.0} if pose else {}
-    for excess in (replace(each, **of_pose) for each in result.exceeded):
+    for excess in result.exceeded:
         beyond, position = abs(excess.value - excess.limit), excess.quantity == "position"
         times = float(steady(1.0 + beyond if position else excess.value / excess.limit))  # [rad, m] beyond a position
         found.append((False, -times, excess.joint, exceeded_words(excess)))
@@ -150,7 +148,7 @@ def _exceeded(result: Result | Simulation) -> list[tuple[str, str]]:
         for each in joint.exceeded:
             if each.quantity not in ("effort", "velocity"):
                 times = each.value / each.limit if each.limit > 0.0 else float("inf")
-                line = f"{printable(joint.name)}: {in_words(each, pose)}."
+                line = f"{printable(joint.name)}: {in_words(each)}."
                 found.append((each.level != "over peak", -float(steady(times)), joint.name, line))
     return [(joint, line) for _, _, joint, line in sorted(found)]
 
@@ -166,7 +164,7 @@ def use_bars(result: Result | Simulation) -> list[Block]:
     sizing, rows = getattr(result, "sizing", None), []
     joints: Sequence[JointLoad | JointUse] = result.joints
     for k, load in enumerate(joints):
-        bars, shares = [], uses(load, sizing.joints[k] if sizing else None, getattr(result, "samples", 0) == 1)
+        bars, shares = [], uses(load, sizing.joints[k] if sizing else None)
         for share, what in shares:
             colour = "bad" if share > 100.0 else "doubtful" if share > 80.0 else "good"
             bars.append((f"{percent(share)} % of {what}", 0.0, min(share, 100.0), colour))

@@ -81,39 +81,16 @@ def sizing_sections(result: Result, sizing: Sizing) -> Iterator[Section]:
         rows.append([f"{part.name[0].upper()}{part.name[1:]}", *greatest, *least, size.number(part.mean, part.unit)])
     head = ["", "greatest", "at [s]", "least", "at [s]", "mean"]
     yield [Table("Foundation: ground on robot, in the base's axes", head, rows)]
-    yield from _verdicts(result, sizing)
-
-
-def pose_sizing_sections(result: Result, sizing: Sizing) -> Iterator[Section]:
-    """Yield what motors have to give in one pose, how hot they get if it is held for ever, and a verdict for each."""
-    rows, size = [], result_sizes(result)
-    for joint in sizing.joints:
-        if (motor := joint.motor) is not None:
-            row = [joint.name, f"{motor.gear:.6g}", f"{number(motor.peak)} {motor.unit}"]
-            rows.append([*row, f"{number(motor.max_speed)} {motor.speed_unit}", _ratio(motor)])
-    head = ["joint", "gear", "torque", "speed", "inertia ratio"]
-    yield [Table("Motors, at their shafts", head, rows)] if rows else []
-    hot = [(joint.name, joint.motor.heat) for joint in sizing.joints if joint.motor and joint.motor.heat]
-    rows = []
-    for name, heat in hot:
-        row = ["runs away" if each is None else f"{each:.4g}" for each in (heat.winding, heat.housing)]
-        rows.append([name, *row, f"{heat.winding_limit:g}", size.number(heat.peak_power, "W")])
-    head = ["joint", "winding [degC]", "housing", "winding's limit", "from the DC bus [W]"]
-    yield [Table("Held for ever", head, rows)] if rows else []
-    yield from _verdicts(result, sizing)
-
-
-def _verdicts(result: Result, sizing: Sizing) -> Iterator[Section]:
-    items, pose = [], result.samples == 1
+    items = []
     for load, joint in sorted(
         zip(result.joints, sizing.joints, strict=True), key=lambda pair: _WORST.index(pair[1].level)
     ):
-        nearness = ", ".join(f"{percent(share)} % of {what}" for share, what in uses(load, joint, pose))
+        nearness = ", ".join(f"{percent(share)} % of {what}" for share, what in uses(load, joint))
         known = "OK" if joint.level == "OK" else "no limits are known"
         if not joint.exceeded:
             items.append((joint.name, f"OK: {nearness}" if nearness else known))
         for k, exceeded in enumerate(joint.exceeded):
-            items.append(("" if k else joint.name, f"{exceeded.level.upper()}: {in_words(exceeded, pose)}"))
+            items.append(("" if k else joint.name, f"{exceeded.level.upper()}: {in_words(exceeded)}"))
     if items:
         yield [Paragraph("Verdicts"), Facts(tuple(items))]
 
@@ -152,13 +129,12 @@ def _ratio(motor: MotorLoad) -> str:
     return "-" if motor.inertia_ratio is None else f"{motor.inertia_ratio:.3g}"
 
 
-def uses(load: JointLoad | JointUse, joint: JointSizing | None, pose: bool = False) -> list[tuple[float, str]]:
+def uses(load: JointLoad | JointUse, joint: JointSizing | None) -> list[tuple[float, str]]:
     """Return how much of each limit a joint uses [%], and of which."""
     found: list[tuple[float, float | None, str]] = []
     if joint is not None and (motor := joint.motor) is not None:
         if (near := motor.nearest) is not None:
-            when = "" if pose else f" at {near.time:.6g} s"
-            found.append((near.torque, near.limit, f"the peak curve{when}"))
+            found.append((near.torque, near.limit, f"the peak curve at {near.time:.6g} s"))
         if (heat := motor.heat) is None:
             found.append((motor.rms, motor.continuous_limit, "the continuous torque"))
         elif heat.winding is not None:
@@ -170,24 +146,24 @@ def uses(load: JointLoad | JointUse, joint: JointSizing | None, pose: bool = Fal
     return [(100.0 * x / limit if limit > 0 else 0.0, what) for x, limit, what in found if limit is not None]
 
 
-def in_words(exceeded: Exceeded, pose: bool = False) -> str:
-    """Return what is too large, by how much, when, and for how long; of a pose, which is held, neither."""
+def in_words(exceeded: Exceeded) -> str:
+    """Return what is too large, by how much, when, and for how long."""
     if exceeded.quantity == "thermal runaway":
-        why = "held, the pose" if pose else "repeated, the motion"
-        return f"{why} heats the winding ever more (thermal runaway), beyond the {exceeded.limit:g} degC that it bears"
+        return (
+            f"repeated, this heats the winding ever more (thermal runaway), beyond its limit, {exceeded.limit:g} degC"
+        )
     unit, limit, (what, allowed) = exceeded.unit, exceeded.limit, _WORDS[exceeded.quantity]
-    what = what.replace("RMS ", "").replace("cubic mean ", "") if pose else what
     text = f"{what} is {number(exceeded.value)} {unit}, "
     share = 100 * exceeded.excess / limit if limit > 0 else 0.0
     over = f"{exceeded.excess:.3g} K" if unit == DEGREES else f"{share:.3g} %"
     text += f"{over} above the {number(limit)}" if limit > 0 else "above the 0"
     text += f" {unit} that {allowed}"
     if exceeded.speed is not None:
-        mean = "a mean speed of " if exceeded.time is None and not pose else ""
+        mean = "a mean speed of " if exceeded.time is None else ""
         text += f" at {mean}{number(exceeded.speed)} {'m/s' if unit == 'N' else 'rad/s'}"
-    if exceeded.time is not None and not pose:
+    if exceeded.time is not None:
         text += f"; worst at {exceeded.time:.6g} s (row {exceeded.row})"
-    return text if exceeded.seconds is None or pose else f"{text}, over for {exceeded.seconds:.3g} s in all"
+    return text if exceeded.seconds is None else f"{text}, over for {exceeded.seconds:.3g} s in all"
 
 
 def constraint_sections(found: Constraints, size: Sizes) -> Iterator[Section]:

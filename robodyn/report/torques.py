@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from robodyn.loads.result import JointLoad, MomentumReport, Result
 from robodyn.report.document import Block, Paragraph, Section, Table, encode, paragraphs, remarks, select, written
 from robodyn.report.limits import exceeded_section, limits_data, limits_verdict, unchecked_words, use, verdict_on_limits
-from robodyn.report.motor_loads import constraint_sections, pose_sizing_sections, sizing_sections, uncertainty_sections
+from robodyn.report.motor_loads import constraint_sections, sizing_sections, uncertainty_sections
 from robodyn.report.sizes import Sizes, result_sizes, speed_unit
 from robodyn.report.table import (
     Columns,
@@ -21,21 +22,29 @@ from robodyn.report.table import (
     relative_text,
 )
 from robodyn.support.wording import count
-from robodyn.trajectory.columns.signals import COMPONENTS
 from robodyn.trajectory.motion import NOISE, Derivation, JointDerivation
 
 if TYPE_CHECKING:
     from robodyn.loads.many import Batch, Outcome, Status, Worst
-    from robodyn.support.floats import Floats
 
 KINDS: tuple[Status, ...] = ("computed", "finished before", "failed")
 _TAKES = ("coulomb friction", "viscous friction", "load friction", "fluid")
 """Effects that take energy, which the work in the balance is without."""
+_OVER_TIME = {
+    *("at [s]", "RMS", "cubic mean", "peak power [W]", "work [J]", "returned [J]", "duty", "static RMS", "hold share"),
+    *("copper loss [J]", "gear loss [J]", "drawn [J]", "least [W]", "winding once", "housing once", "mean"),
+}
+"""Columns of motions alone, which a motion of one sample, a pose, is printed without."""
 _UNITS = {"com": "m", "p": "kg m/s", "L": "kg m^2/s", "T": "J", "V": "J", "power": "W"}
 
 
 def torques_sections(result: Result, explain: bool = False) -> Iterator[Section]:
     """Yield joints, peaks, base loads, self-checks and so on, but the verdict; to explain also effects and the plan."""
+    for section in _sections(result, explain):
+        yield [_of_a_pose(block) for block in section] if result.samples == 1 else section
+
+
+def _sections(result: Result, explain: bool) -> Iterator[Section]:
     size = result_sizes(result)
     what = f"{count(len(result.joints), 'joint')}, {count(result.samples, 'sample')}, {result.duration:.6g} s"
     lines = [f"{result.robot}: {what}, {gravity_text(result.gravity)}"]
@@ -68,7 +77,15 @@ def torques_sections(result: Result, explain: bool = False) -> Iterator[Section]
         yield from sizing_sections(result, result.sizing)
     if result.uncertainty:
         yield from uncertainty_sections(result.uncertainty, size)
-    yield from _effects(result) if explain else ()
+    if explain:
+        rows = []
+        for effect in result.effects:
+            on, saved = effect.verdict.active, "" if effect.saved is None else str(effect.saved)
+            cost = [str(effect.operations), saved] if on else ["", ""]
+            rows.append([effect.name, "on" if on else "off", *cost, effect.verdict.reason])
+        plan = f"{result.operations} operations per sample for the torques; {result.executor}: {result.reason}"
+        head = ("effect", "", "operations alone", "saved without", "why")
+        yield [Table(f"Effects: {plan}", *filled(head, rows))]
     checks, balance = result.checks, result.checks.energy_balance
     energies = balance.work, balance.energy_change, balance.residual, abs(balance.quadrature)
     work, stored, residual, sampling = (size.number(each, "J") for each in energies)
@@ -88,50 +105,12 @@ def torques_sections(result: Result, explain: bool = False) -> Iterator[Section]
     yield remarks("warning", result.warnings)
 
 
-def _effects(result: Result) -> Iterator[Section]:
-    rows = []
-    for effect in result.effects:
-        on, saved = effect.verdict.active, "" if effect.saved is None else str(effect.saved)
-        cost = [str(effect.operations), saved] if on else ["", ""]
-        rows.append([effect.name, "on" if on else "off", *cost, effect.verdict.reason])
-    plan = f"{result.operations} operations per sample for the torques; {result.executor}: {result.reason}"
-    head = ("effect", "", "operations alone", "saved without", "why")
-    yield [Table(f"Effects: {plan}", *filled(head, rows))]
-
-
-def pose_sections(result: Result, names: Sequence[str], columns: Floats, explain: bool = False) -> Iterator[Section]:
-    """Yield what a robot carries in one pose, loads (k,) of these names: torques, wrenches, motors, limits; to explain
-    also effects and the plan."""
-    size, loads = result_sizes(result), dict(zip(names, columns.tolist(), strict=True))
-    moving = any(joint.max_speed for joint in result.joints)
-    what = f"{count(len(result.joints), 'joint')}, one pose{'' if moving else ' at rest'}"
-    yield paragraphs([f"{result.robot}: {what}, {gravity_text(result.gravity)}"])
-    head, shares = share_table(result)
-    limits = [[use(joint.peak, joint.effort_limit)] for joint in result.joints]
-    if result.joints:
-        rows = [[*row, *limit] for row, limit in zip(shares, limits, strict=True)]
-        yield [Table("Torques, and what makes them", ["joint", *head[1:], "of effort limit"], rows)]
-    if result.constraints:
-        yield next(constraint_sections(result.constraints, size))
-    base = [size.amount(part.peak, "N" if part.name[0] == "f" else "N m") for part in result.base_wrench]
-    head = [part.name for part in result.base_wrench]
-    yield [Table("Base wrench: ground on robot, about the base's origin", head, [base])]
-    joints = dict.fromkeys(name.partition("_")[2] for name in names if name[:2] in COMPONENTS)
-    units = ["N"] * 3 + ["N m"] * 3
-    rows = [
-        [name, *(size.number(loads[f"{part}_{name}"], unit) for part, unit in zip(COMPONENTS, units, strict=True))]
-        for name in joints
-    ]
-    others = "loops and contacts on their link, " if result.constraints else ""
-    title = f"Wrenches [N, N m]: {others}joints on their child link, about its origin and in its axes"
-    yield [Table(title, ["", *COMPONENTS], rows)] if rows else []
-    if result.sizing:
-        yield from pose_sizing_sections(result, result.sizing)
-    if result.uncertainty:
-        yield from uncertainty_sections(result.uncertainty, size)
-    yield from _effects(result) if explain else ()
-    yield exceeded_section(result)
-    yield remarks("warning", result.warnings)
+def _of_a_pose(block: Block) -> Block:
+    """Return a block without columns that only a motion has."""
+    if not isinstance(block, Table):
+        return block
+    kept = [k for k, head in enumerate(block.head) if head not in _OVER_TIME]
+    return replace(block, head=[block.head[k] for k in kept], rows=[[row[k] for k in kept] for row in block.rows])
 
 
 def outcome_line(outcome: Outcome) -> str:

@@ -49,27 +49,26 @@ _NEAR = 0.5
 """A limit is drawn where at least this share of it is reached; it would flatten the curve otherwise."""
 
 
-def torques_page(
-    result: Result, model: Model, scene: Scene, pictures: bool = True, pose: Sequence[doc.Section] = ()
-) -> doc.Document:
-    """Return the verdict, use of limits, robot and plots if there is a history, and all that the text says; of a pose
-    that text, and no plots."""
-    what, of = "in one pose" if pose else "along a motion", count(len(result.joints), "joint")
-    of += "" if pose else f", {count(result.samples, 'sample')}, {result.duration:.6g} s"
-    what = f"Torques {what}: {of}, {gravity_text(result.gravity)}"
+def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = True) -> doc.Document:
+    """Return the verdict, use of limits, robot and plots if there is a history, and all that the text says."""
+    what = (
+        f"Torques along a motion: {count(len(result.joints), 'joint')}, {count(result.samples, 'sample')}, "
+        f"{result.duration:.6g} s, {gravity_text(result.gravity)}"
+    )
     blocks: list[doc.Block] = [limits_verdict(result)]
     head, rows = load_table(result)
     files = [("result.json", torques_json(result)), ("joints.csv", doc.csv_text(head, rows))]
     if pictures and result.history is not None:
-        words = f"The robot {'in the pose' if pose else 'along the motion'}"
-        words += "; links are coloured by what their joints use of their limits, red above 100 %"
+        words = (
+            "The robot along the motion; links are coloured by what their joints use of their limits, red above 100 %"
+        )
         course = Course(result.history.motion)
         shown = stage.robot(model, [motion_of(course, result, model, scene)])
         blocks.append(stage.stage(words, [shown]))
     blocks += use_bars(result)
-    if pictures and result.history is not None and not pose:
+    if pictures and result.history is not None:
         blocks += _charts(result, model, scene, result.history, course)
-    sections = pose or torques_sections(result, explain=True)
+    sections = torques_sections(result, explain=True)
     how = "robodyn torques --format json and --out write it to a file"
     return doc.page(result.robot, what, blocks, sections, "Loads", files, how)
 
