@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from polars import DataFrame
 
     from robodyn.loads.constraint_result import Constraints
-    from robodyn.loads.temperature import Bus, Heat, MotorHeat
+    from robodyn.loads.temperature import Electric, Heat, MotorHeat
     from robodyn.loads.uncertainty_result import Uncertain
     from robodyn.support.courses import Courses
 
@@ -397,7 +397,7 @@ class Sizing:
     joints: tuple[JointSizing, ...]
     bearings: tuple[BearingLoad, ...]
     foundation: tuple[FoundationLoad, ...]
-    bus: Bus | None = None
+    bus: Electric | None = None
 
     @property
     def exceeded(self) -> bool:

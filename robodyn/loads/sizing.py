@@ -297,7 +297,7 @@ class SizingPass:
         motors = {k: self.motors.load(i, duration, inertias[k]) for i, k in enumerate(self.driven)}
         if self.motors.heat is not None:
             self.heat = self.motors.heat.report([loads[k].name for k in self.driven], self.history)
-            motors = {k: replace(motors[k], heat=self.heat.motors.get(i)) for i, k in enumerate(self.driven)}
+            motors = {k: replace(motors[k], heat=self.heat.motors.get(loads[k].name)) for k in self.driven}
         joints = tuple(self._joint(k, load, motors.get(k), duration) for k, load in enumerate(loads))
         base = self.base.ranges()
         means = self.integrals.mean("base", np.array([each.greatest for each in base])).tolist()

@@ -118,9 +118,9 @@ def _heat_sections(sizing: Sizing, size: Sizes) -> Iterator[Section]:
         row += [size.number(each, "W") for each in (bus.peak_power, bus.least_power)]
         losses += [["bus", "", "", *row]]
         head = ["joint", "copper loss [J]", "gear loss [J]", "drawn [J]", "returned [J]", "peak [W]", "least [W]"]
-        without = f", without {first_names(bus.missing, most=4)}" if bus.missing else ""
+        others = [joint.name for joint in sizing.joints if joint.motor and not joint.motor.heat]
+        without = f", without {first_names(others, most=4)}" if others else ""
         yield [Table(f"DC bus, per cycle in the steady state{without}", head, losses)]
-        yield paragraphs([f"The bus takes {size.number(bus.mean_power, 'W')} W on average."])
     head = ["gear of", "mean torque", "mean input speed [rad/s]", "life [h]"]
     yield [Table("Life of gears, at this motion repeated", head, lives)] if lives else []
 

@@ -16,7 +16,7 @@ import numpy as np
 from robodyn.dynamics.constraints.constraint_jacobian import tree_scene
 from robodyn.equations.free_body.bodies import free_bodies
 from robodyn.errors import RobodynError
-from robodyn.loads.result import JointLoad, Result
+from robodyn.loads.result import DEGREES, JointLoad, Result
 from robodyn.loads.sizing import allowed, load_torque, motor_torque, train_of
 from robodyn.loads.statistics import joint_of_rates
 from robodyn.report import document as doc
@@ -25,7 +25,6 @@ from robodyn.report.charts import Course, plane_chart, time_chart
 from robodyn.report.equations import action_table
 from robodyn.report.limits import effort_use, limits_verdict, offenders, use_bars, worst_joint
 from robodyn.report.sizes import Sizes, free_body_sizes, result_sizes, speed_unit
-from robodyn.report.sizing.heat import heat_charts
 from robodyn.report.table import first_names, gravity_text, is_noise, moment, number, printable
 from robodyn.report.torques import load_table, torques_json, torques_sections
 from robodyn.robot.kinematics import Values, beyond_limits, configuration, nearest_to_zero
@@ -38,6 +37,7 @@ if TYPE_CHECKING:
     import os
 
     from robodyn.loads.result import History
+    from robodyn.loads.temperature import Heat
     from robodyn.trajectory.motion import Trajectory
     from robodyn.trajectory.read import TrajectoryReader
 
@@ -145,9 +145,7 @@ def _charts(result: Result, model: Model, scene: Scene, history: History, course
         charts.append(time_chart("Power of joints", "Power of joints", course.time, power, "W", rows=course.rows))
     yield from doc.titled("Along the motion", [*doc.paragraphs(said), *doc.gallery(charts)])
     yield from doc.titled("Motors", doc.gallery(motors.values()))
-    if result.sizing and history.heat and history.heat.courses:
-        charts = list(heat_charts(result.sizing, history.heat))
-        yield from doc.titled("Temperatures of motors, and the DC bus", doc.gallery(charts))
+    yield from doc.titled("Temperatures of motors", _heat_chart(history.heat) if history.heat else [])
     peaks = [joint for joint in joints if not is_noise(abs(joint.peak), size[joint.unit])]
     yield from doc.titled("What makes the peaks", _share_bars(peaks))
     if result.constraints is not None and scene.contacts:
@@ -155,6 +153,20 @@ def _charts(result: Result, model: Model, scene: Scene, history: History, course
     yield from doc.titled("Loads of the base", doc.gallery(_base_charts(result, course, size)))
     yield from doc.titled("Energy", doc.gallery(_energy_chart(result, history, size)))
     yield from _heaviest_load(result, model, scene, history)
+
+
+def _heat_chart(heat: Heat) -> Iterator[doc.Chart]:
+    """Yield how windings get hot, cycle by cycle, with limits that are near."""
+    lines, colours = dict[str, tuple[Floats, Floats]](), dict[str, str]()
+    for name, (begins, hottest) in heat.courses.items():
+        motor, minutes, limit = heat.motors[name], begins / 60.0, f"limit of {printable(name)}"
+        lines[printable(name)] = minutes, hottest[:, 0]
+        if hottest[:, 0].max() - motor.ambient >= _NEAR * (motor.winding_limit - motor.ambient):
+            lines[limit], colours[limit] = (minutes[[0, -1]], np.full(2, motor.winding_limit)), "bad"
+    title, axes = "Windings: hottest of each cycle", ("time since the start [min]", f"temperature [{DEGREES}]")
+    ends = ", ".join(f"{printable(name)} {number(each[-1, 0])} {DEGREES}" for name, (_, each) in heat.courses.items())
+    if lines:
+        yield plane_chart(title, f"{title}; at the end {ends}", *axes, lines=lines, colours=colours)
 
 
 def _rests(joint: JointLoad, size: Sizes) -> bool:

@@ -35,10 +35,10 @@ PIECES = {
     ("sizing/test_temperature.py", "loads/temperature.py"): [
         ("thermal.winding_housing * thermal.housing_capacity", "thermal.winding_housing * thermal.winding_capacity"),
         ("factor - slope * inside", "factor"),
-        ("second[:, :1] * first[:1]", "first[:, :1] * second[:1]"),
+        ("second @ first", "first @ second"),
         ("1.0 / thermal.drive_efficiency", "thermal.drive_efficiency"),
-        ("np.add.reduceat(whole, np.arange(0, whole.shape[1], 2), axis=1)", "whole[:, ::2]"),
-        ("a + d < 0.0 and det > 0.0", "True"),
+        ("_merged(self._kept, 2)", "self._kept[:, ::2]"),
+        ("np.trace(cycle) < 0.0 and np.linalg.det(cycle[:, :2]) > 0.0", "True"),
     ],
     ("sizing/test_gears_screws_and_poses.py", "loads/sizing.py"): [
         ("carried**self.exponents", "carried"),

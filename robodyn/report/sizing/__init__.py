@@ -1,1 +1,1 @@
-"""Paths in time, worst poses, catalogues and heat, as text, JSON and pages."""
+"""Paths in time, worst poses and catalogues, as text, JSON and pages."""
