@@ -269,16 +269,6 @@ class Nearest:
 
 
 @dataclass(frozen=True)
-class GearUse:
-    """Life of a gear [h], None if nothing wears it; mean_torque: `(integral |T|^p |qd| / integral |qd|)^(1/p)` of its
-    output, p the exponent of its life (3: the cubic mean); mean_speed: of its input, over the whole time [rad/s]."""
-
-    life: float | None
-    mean_torque: float
-    mean_speed: float
-
-
-@dataclass(frozen=True)
 class MotorLoad(ShaftLoad):
     """What a motor does at its shaft.
 
@@ -295,7 +285,8 @@ class MotorLoad(ShaftLoad):
         seconds_above_continuous: how long |T| is above the continuous curve, which a motor bears for moments.
         nearest: where the motor comes closest to its peak curve; seconds_over_peak: how long it is beyond.
         speed_limit, seconds_over_speed: the largest speed allowed, and how long it is exceeded.
-        gear_loss: what the gear takes [J]; gear_life: None without its data; heat: None without thermal data.
+        gear_loss: what the gear takes [J]; gear_mean: cubic mean of the torque at its output over its way; gear_life:
+            [h], None without its data, or if nothing wears it. heat: None without thermal data.
     """
 
     speed_unit: str
@@ -313,7 +304,8 @@ class MotorLoad(ShaftLoad):
     speed_limit: float | None
     seconds_over_speed: float
     gear_loss: float
-    gear_life: GearUse | None
+    gear_mean: float
+    gear_life: float | None
     heat: MotorHeat | None = None
     JSON_ALSO: ClassVar = ("continuous_margin", "peak_margin")
 

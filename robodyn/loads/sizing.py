@@ -17,7 +17,6 @@ from robodyn.loads.result import (
     Component,
     Exceeded,
     FoundationLoad,
-    GearUse,
     JointLoad,
     JointSizing,
     Level,
@@ -95,12 +94,6 @@ def motor_torque(train: Train, load: Floats, qd: Floats, qdd: Floats) -> Floats:
     return (train.gear * train.inertia) * qdd + load * share / train.gear
 
 
-def gear_loss(train: Train, load: Floats, qd: Floats) -> Floats:
-    """The power that the gear takes [W], of loads of `load_torque` (N,)."""
-    power, efficiency = load * qd, train.motor.efficiency
-    return np.where(power > 0.0, power * (1.0 / efficiency - 1.0), power * (efficiency - 1.0)) + 0.0
-
-
 def points(torque: float | Curve) -> Curve:
     """Return a curve's points; a torque for all speeds is one point of speed 0."""
     return torque if isinstance(torque, tuple) else ((0.0, torque),)
@@ -124,8 +117,6 @@ class MotorPass(ShaftFigures):
         self.trains, self.gear, self.near = tuple(trains), Greatest(len(trains)), Greatest(len(trains))
         tops = [0.0 if train.motor.peak is None else max(y for _, y in points(train.motor.peak)) for train in trains]
         self.least = LEAST * np.array(tops)[:, None] + np.finfo(float).tiny
-        self.lives = any(train.life is not None for train in trains)
-        self.exponents = np.array([[0.0 if train.life is None else train.life.exponent] for train in trains])
         thermals = {i: train.motor.thermal for i, train in enumerate(trains) if train.motor.thermal is not None}
         self.heat = HeatPass(thermals) if thermals else None
 
@@ -146,15 +137,13 @@ class MotorPass(ShaftFigures):
         self.near.update(time, first_row, use, torque=size, speed=pace, limit=peak)
         more = {
             "wear": carried * carried * carried * np.abs(qd),
-            "gear loss": np.array([gear_loss(train, *x) for train, *x in zip(trains, load, qd, strict=True)]),
+            "gear loss": torque * speed - tau * qd,
             "joint travel": np.abs(qd),
             "above continuous": (size > BEYOND * continuous).astype(float),
             "over peak": (size > BEYOND * peak).astype(float),
             "over speed": (pace > BEYOND * fastest).astype(float),
             "over gear": (carried > BEYOND * most).astype(float),
         }
-        if self.lives:
-            more["life"] = carried**self.exponents * np.abs(qd)
         self.gather(time, first_row, torque, speed, more)
         if self.heat is not None:
             self.heat.update(time, torque, speed)
@@ -165,6 +154,12 @@ class MotorPass(ShaftFigures):
         motor = train.motor
         mean_speed = float(self.speed.score[i] if duration <= 0 else totals["travel"] / duration)
         rotor = train.gear * train.gear * train.inertia
+        travel = totals["joint travel"]
+        gear_mean = float(totals["wear"] / travel) ** (1 / 3) if travel else 0.0
+        life = np.inf
+        if train.life is not None and mean_speed * gear_mean > 0.0:
+            life = train.life.rated_life * train.life.rated_speed / mean_speed
+            life *= float(np.power(train.life.rated_torque / gear_mean, 3))
         nearest = None
         if motor.peak is not None:
             near, at = self.near, {name: float(values[i]) for name, values in self.near.kept.items()}
@@ -187,17 +182,9 @@ class MotorPass(ShaftFigures):
             speed_limit=train.speed_limit,
             seconds_over_speed=float(totals["over speed"]),
             gear_loss=float(totals["gear loss"]),
-            gear_life=None if train.life is None else self._life(i, train.life, mean_speed),
+            gear_mean=gear_mean,
+            gear_life=life if life < LARGEST else None,
         )
-
-    def _life(self, i: int, gear: GearLife, speed: float) -> GearUse:
-        totals = self.integrals.totals
-        travel, wear = float(totals["joint travel"][i]), float(totals["life"][i])
-        torque = (wear / travel) ** (1.0 / gear.exponent) if travel else float(self.gear.score[i])
-        worn = speed > 0.0 and torque > 0.0
-        share = float(np.power(gear.rated_torque / torque, gear.exponent)) if worn else np.inf
-        life = share * gear.rated_life * gear.rated_speed / speed if worn else np.inf
-        return GearUse(life if life < LARGEST else None, torque, speed)
 
 
 class BearingPass:
@@ -352,8 +339,6 @@ class SizingPass:
         if motor is not None:
             i, unit = self.driven.index(k), motor.unit
             given, gear, totals = self.motors.trains[i].motor, self.motors.gear, self.motors.integrals.totals
-            travel = totals["joint travel"][i]
-            mean = float(totals["wear"][i] / travel) ** (1 / 3) if travel else 0.0  # cubic, over the way of the joint
             if (near := motor.nearest) is not None:
                 at_speed = (near.time, near.row, near.speed, motor.seconds_over_peak)
                 rows.append(("motor torque", near.torque, near.limit, unit, *at_speed))
@@ -363,7 +348,7 @@ class SizingPass:
                 ("motor speed", abs(motor.max_speed), motor.speed_limit, motor.speed_unit, *fast),
                 *self._thermal_limits(motor),
                 ("gear torque", float(gear.score[i]), given.gear_peak, load.unit, *when),
-                ("mean gear torque", mean, given.gear_average, load.unit),
+                ("mean gear torque", motor.gear_mean, given.gear_average, load.unit),
             ]
         when = load.peak_time, load.peak_row, None, load.seconds_over_effort
         fast = load.max_speed_time, load.max_speed_row, None, load.seconds_over_velocity

@@ -101,9 +101,9 @@ def _heat_sections(sizing: Sizing, size: Sizes) -> Iterator[Section]:
     for joint in sizing.joints:
         if (motor := joint.motor) is None:
             continue
-        if (life := motor.gear_life) is not None:
-            row = [joint.name, size.amount(life.mean_torque, joint.unit), number(life.mean_speed)]
-            lives.append([*row, "-" if life.life is None else f"{life.life:.4g}"])
+        if motor.gear_life is not None:
+            row = [joint.name, size.amount(motor.gear_mean, joint.unit), number(motor.mean_speed)]
+            lives.append([*row, f"{motor.gear_life:.4g}"])
         if (heat := motor.heat) is None:
             continue
         temperatures = heat.winding_once, heat.winding, heat.housing_once, heat.housing

@@ -243,13 +243,12 @@ class Thermal(FrozenValue):
 
 @dataclass(frozen=True)
 class GearLife(FrozenValue):
-    """Life of a gear, `rated_life (rated_speed / speed) (rated_torque / torque)^exponent`: hours at a torque of its
+    """Life of a gear, `rated_life (rated_speed / speed) (rated_torque / torque)^3`: hours at a torque of its
     output [N m or N] and a speed of its input [rad/s]."""
 
     rated_life: Physical
     rated_torque: Physical
     rated_speed: Physical
-    exponent: Annotated[float, Rule(lambda x: 1.0 <= x <= 20.0, "such as 3, or 10/3: from 1 to 20")] = 3.0
 
 
 @dataclass(frozen=True)

@@ -41,9 +41,9 @@ PIECES = {
         ("np.trace(cycle) < 0.0 and np.linalg.det(cycle[:, :2]) > 0.0", "True"),
     ],
     ("sizing/test_gears_screws_and_poses.py", "loads/sizing.py"): [
-        ("carried**self.exponents", "carried"),
-        ("gear.rated_torque / torque", "torque / gear.rated_torque"),
+        ("train.life.rated_torque / gear_mean", "gear_mean / train.life.rated_torque"),
     ],
+    ("sizing/test_temperature.py", "loads/sizing.py"): [("torque * speed - tau * qd", "torque * speed")],
     ("sizing/test_gears_screws_and_poses.py", "scene/scene.py"): [
         ("turns * 2.0 * pi / self.lead", "turns / self.lead")
     ],
