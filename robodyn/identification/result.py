@@ -415,9 +415,7 @@ def calibrated(model: Model, names: Sequence[str], theta: Floats, scene: Scene =
         reflected = found.get(f"{joint.name}.rotor", 0.0)
         if gear and (inertia or reflected):
             before = rotors.get(joint.name, Rotor(None))
-            rotors[joint.name] = replace(
-                before, inertia=reflected / gear / gear, gear=gear, lead=None, pitch_radius=None
-            )
+            rotors[joint.name] = replace(before, inertia=reflected / gear / gear, gear=gear, lead=None)
     coupled = []
     for motor in scene.coupled:
         inertia = found.get(f"{motor.name}.rotor", motor.reflected) / motor.gear / motor.gear

@@ -325,7 +325,7 @@ class SizingPass:
         if (heat := motor.heat) is None:
             yield "RMS motor torque", motor.rms, motor.continuous_limit, motor.unit, None, None, motor.mean_speed
             return
-        if heat.winding is None:
+        if heat.winding is None or heat.winding_once is None:
             yield "thermal runaway", heat.winding_once or 0.0, heat.winding_limit, DEGREES
             return
         for name in ("winding", "housing"):

@@ -115,10 +115,8 @@ def _check_rotors(scene: Scene, model: Model, file: str | None) -> None:
     or a pinion drives a joint that turns."""
     for i, body in enumerate(model.bodies):
         joint, rotor = body.joint, scene.rotor.get(body.joint.name)
-        key = "" if rotor is None else "lead" if rotor.lead else "pitch_radius" if rotor.pitch_radius else ""
-        if key and joint.kind != "prismatic":
-            table = "motor" if joint.name in scene.motor else "rotor"
-            what = f'[{table}] {joint.name}: "{key}" is for joints that slide, and this one turns'
+        if rotor is not None and rotor.lead and joint.kind != "prismatic":
+            what = f"[rotor] {joint.name}: a lead or pitch_radius is for joints that slide, and this one turns"
             raise SceneError(what, remedy="give gear, turns of the motor per turn of the joint", file=file)
         if rotor is None or not rotor.spins:
             continue

@@ -84,7 +84,7 @@ def scene_from(values: Mapping[str, Any], sources: Sources) -> Scene:
             what = f'{WHOLE}: "{key}" is no key: the ground is where a [[contact]] of a link stands'
             raise SceneError(what, remedy="give [[contact]] name, link and point or polygon", file=sources[0][1])
     table = TomlTable(values, WHOLE, sources)
-    rotors = {name: _rotor(entry) for name, entry in table.tables("rotor")}
+    rotors = {name: entry.read(parts.Rotor, **_turns(entry)) for name, entry in table.tables("rotor")}
     motors = {name: _motor(entry, name, rotors) for name, entry in table.tables("motor")}
     contacts = tuple(_contact(entry) for entry in table.list("contact"))
     loops = tuple(_loop(entry) for entry in table.list("loop"))
@@ -137,26 +137,27 @@ def _friction(table: TomlTable, **given: Any) -> parts.Friction:
     return table.read(parts.Friction, forward=forward, backward=backward, **given)
 
 
-_OF_ROTORS = ("inertia", "gear", "lead", "pitch_radius")
-
-
-def _rotor(table: TomlTable, **given: Any) -> parts.Rotor:
-    """Return the rotor and the gear that a table says; given: what it does not, for a table that has other keys too."""
-    values = {key: table.field(parts.Rotor, key) for key in ("gear", "lead", "pitch_radius")}
-    if values["gear"] == 0 and (given or values["lead"] or values["pitch_radius"]):
-        raise table.error('"gear" is 0', "turns of the motor per turn of the joint", "gear")
-    if values["lead"] is not None and values["pitch_radius"] is not None:
+def _turns(table: TomlTable) -> dict[str, float | None]:
+    """Return gear and lead of a rotor; a pinion's lead is the circumference of its pitch circle."""
+    gear, lead, radius = (
+        table.value("gear", float, None),
+        *(table.value(key, parts.Positive, None) for key in ("lead", "pitch_radius")),
+    )
+    if lead is not None and radius is not None:
         raise table.error('"lead" and "pitch_radius" are both given', "a screw has a lead, a pinion a radius", "lead")
-    return parts.Rotor(**given, **values) if given else table.read(parts.Rotor, **values)
+    return {"gear": gear, "lead": lead if radius is None else 2.0 * pi * radius}
 
 
 def _motor(table: TomlTable, name: str, rotors: dict[str, parts.Rotor]) -> parts.Motor:
     """Return what a data sheet says of a motor; its rotor, which may stand there too, is added to the rotors."""
-    if name in rotors and (twice := [key for key in _OF_ROTORS if key in table.values]):
-        raise table.error(f'"{twice[0]}" and [rotor] {name} say the same', "leave [rotor] out", twice[0])
-    rotor = _rotor(table, inertia=table.value("inertia", parts.NonNegative, None), axis=None, on="")
-    if rotor != parts.Rotor(None):
-        rotors[name] = rotor
+    keys = [key for key in ("inertia", "gear", "lead", "pitch_radius") if key in table.values]
+    rotor = {"inertia": table.value("inertia", parts.NonNegative, None), **_turns(table)}
+    if keys and name in rotors:
+        raise table.error(f'"{keys[0]}" and [rotor] {name} say the same', "leave [rotor] out", keys[0])
+    if rotor["gear"] == 0:
+        raise table.error('"gear" is 0', "turns of the motor per turn of the joint", "gear")
+    if keys:
+        rotors[name] = parts.Rotor(**rotor)
     unit = _SPEEDS[table.value("speed_unit", Annotated[str, parts.one_of(*_SPEEDS)], "rad/s")]
     continuous, peak = (_curve(table, key, unit) for key in ("continuous", "peak"))
     fastest = table.field(parts.Motor, "max_speed")
@@ -180,31 +181,10 @@ def _motor(table: TomlTable, name: str, rotors: dict[str, parts.Rotor]) -> parts
 
 
 def _thermal(table: TomlTable) -> parts.Thermal:
-    """Return how a motor heats up; a time constant [s] in place of a capacity is this over the thermal resistance."""
-    given: dict[str, Any] = {}
-    for part, path in (("winding", "winding_housing"), ("housing", "housing_ambient")):
-        time, resistance = table.value(f"{part}_time", parts.Physical, None), table.field(parts.Thermal, path)
-        if time is not None and f"{part}_capacity" in table.values:
-            raise table.error(f'"{part}_time" and "{part}_capacity" say the same', "give one of them", f"{part}_time")
-        capacity = table.field(parts.Thermal, f"{part}_capacity", *([None] if time else []))
-        if time is not None and resistance is not None:
-            capacity = time / resistance
-        given |= {path: resistance, f"{part}_capacity": capacity}
-        if part == "housing" and (resistance is None) != (capacity is None and time is None):
-            what = f'"{path}" is given without "{part}_capacity" or "{part}_time", or these without it'
-            raise table.error(what, "give both, or neither: the housing then stays at ambient")
-    found = table.read(parts.Thermal, **given)
-    for key in ("winding_limit", "housing_limit"):
-        limit = getattr(found, key)
-        if limit is not None and limit <= max(found.ambient, 0.0):
-            what = f'"{key}" is {limit:g} degrees Celsius, and "ambient" {found.ambient:g}'
-            raise table.error(what, "a limit is above 0 and above ambient", key)
-    for key, rate in (("resistance", found.resistance_coefficient), ("torque_constant", found.torque_coefficient)):
-        for where in ("ambient", "start"):
-            temperature = getattr(found, where)
-            if temperature is not None and 1.0 + rate * (temperature - found.reference) <= 0.0:
-                what = f'"{key}" is not positive at {temperature:g} degrees Celsius, "{where}"'
-                raise table.error(what, f'are its coefficient, {rate:g} per K, and "reference" right?', where)
+    found = table.read(parts.Thermal)
+    if (found.housing_ambient is None) != (found.housing_capacity is None):
+        what = '"housing_ambient" and "housing_capacity" go together, and one is given'
+        raise table.error(what, "give both, or neither: the housing then stays at ambient")
     return found
 
 

@@ -46,10 +46,11 @@ _Efficiency = Annotated[float, Rule(lambda x: 0.0 < x <= 1.0, "a share above 0 a
 _Areas = Annotated[Vector, Rule(lambda areas: min(areas) >= 0.0, "positive or zero: drag opposes motion by itself")]
 _ForcesWeight = Annotated[float, Rule(lambda x: x > 0.0, "it is positive: torques alone leave forces open")]
 IfKnown = Annotated[float, Rule(lambda x: x > 0.0, "it is positive; leave it out if it is not known")]
-Physical = Annotated[float, Rule(lambda x: 1e-12 <= x <= 1e12, "positive, in SI units: 1e-12 to 1e12")]
-_Celsius = Annotated[float, Rule(lambda x: -273.15 <= x <= 1000.0, "degrees Celsius, such as 25")]
-_Copper = Annotated[float, Rule(lambda x: 0.0 <= x <= 0.02, "1/K, such as 0.00393 of copper, or 0")]
-_Magnet = Annotated[float, Rule(lambda x: -0.02 <= x <= 0.0, "1/K, such as -0.001: hot magnets are weaker; or 0")]
+_Physical = Annotated[float, Rule(lambda x: 1e-12 <= x <= 1e12, "positive, in SI units: 1e-12 to 1e12")]
+_Celsius = Annotated[float, Rule(lambda x: -100.0 <= x <= 100.0, "degrees Celsius, such as 25: from -100 to 100")]
+_Limit = Annotated[float, Rule(lambda x: 0.0 < x <= 1000.0, "degrees Celsius, such as 155: above 0")]
+_Copper = Annotated[float, Rule(lambda x: 0.0 <= x <= 0.0045, "1/K, such as 0.00393 of copper, or 0")]
+_Magnet = Annotated[float, Rule(lambda x: -0.004 <= x <= 0.0, "1/K, such as -0.001: hot magnets are weaker; or 0")]
 
 
 @dataclass(frozen=True)
@@ -81,8 +82,8 @@ class Rotor(FrozenValue):
     Attributes:
         inertia: about its own axis [kg m^2]; None: that of the transmission, else 0.
         gear: turns of the motor per turn of the joint (rad/m if prismatic); None: that of the transmission, else 1.
-        lead, pitch_radius: of the screw or the pinion that drives a prismatic joint: metres per turn, or radius [m];
-            `gear` then is turns of the motor per turn of it, 1 if None.
+        lead: of the screw or the pinion that drives a prismatic joint [m per turn]; `gear` then is turns of the motor
+            per turn of it, 1 if None.
         axis: about which it spins at ratio qd, in the axes of the link `on`; None: the joint's.
         on: the link that carries it; "": the joint's parent.
     """
@@ -92,15 +93,13 @@ class Rotor(FrozenValue):
     axis: Vector | None = None
     on: str = ""
     lead: Positive | None = None
-    pitch_radius: Positive | None = None
 
     @property
     def ratio(self) -> float | None:
         """Turns of the motor per turn of the joint, rad/m of a slide; None if only the transmission says it."""
-        turns = 1.0 if self.gear is None else self.gear
-        if self.lead is not None:
-            return turns * 2.0 * pi / self.lead
-        return self.gear if self.pitch_radius is None else turns / self.pitch_radius
+        if self.lead is None:
+            return self.gear
+        return (1.0 if self.gear is None else self.gear) * 2.0 * pi / self.lead
 
     @property
     def spins(self) -> bool:
@@ -225,14 +224,14 @@ class Thermal(FrozenValue):
         drive_efficiency: of the servo drive between motor and DC bus.
     """
 
-    resistance: Physical
-    torque_constant: Physical
-    winding_housing: Physical
-    winding_capacity: Physical
-    winding_limit: _Celsius
-    housing_ambient: Physical | None = None
-    housing_capacity: Physical | None = None
-    housing_limit: _Celsius | None = None
+    resistance: _Physical
+    torque_constant: _Physical
+    winding_housing: _Physical
+    winding_capacity: _Physical
+    winding_limit: _Limit
+    housing_ambient: _Physical | None = None
+    housing_capacity: _Physical | None = None
+    housing_limit: _Limit | None = None
     reference: _Celsius = 25.0
     resistance_coefficient: _Copper = 0.00393
     torque_coefficient: _Magnet = 0.0
@@ -246,9 +245,9 @@ class GearLife(FrozenValue):
     """Life of a gear, `rated_life (rated_speed / speed) (rated_torque / torque)^3`: hours at a torque of its
     output [N m or N] and a speed of its input [rad/s]."""
 
-    rated_life: Physical
-    rated_torque: Physical
-    rated_speed: Physical
+    rated_life: _Physical
+    rated_torque: _Physical
+    rated_speed: _Physical
 
 
 @dataclass(frozen=True)

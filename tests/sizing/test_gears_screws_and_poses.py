@@ -105,7 +105,7 @@ def test_screws_and_pinions_are_gears_in_turns_per_metre():
             )
     rotor = parse_scene(b"[rotor.j]\ninertia = 1e-5\nlead = 0.02\n").rotor["j"]
     assert rotor == Rotor(1e-5, lead=0.02)
-    with pytest.raises(SceneError, match='"lead" is for joints that slide') as error:
+    with pytest.raises(SceneError, match="a lead or pitch_radius is for joints that slide") as error:
         check_scene(Scene(rotor={"j": rotor}), mover())
     assert "give gear" in str(error.value)
 
@@ -117,12 +117,12 @@ WRONG = [
     ("[rotor.j]\ninertia = 1\n[motor.j]\nlead = 0.01", 4, r'"lead" and \[rotor\] j say the same'),
     ("[motor.j]\n" + THERMAL.replace("0.5", "0"), 3, '"resistance" is 0'),
     ("[motor.j]\n" + THERMAL.replace("resistance = 0.5\n", ""), 2, '"resistance" is missing'),
-    ("[motor.j]\n" + THERMAL + "ambient = 160", 7, '"winding_limit" is 155'),
-    ("[motor.j]\n" + THERMAL + "housing_ambient = 2", 2, '"housing_ambient" is given without'),
-    ("[motor.j]\n" + THERMAL + "housing_time = 2", 2, '"housing_ambient" is given without'),
-    ("[motor.j]\n" + THERMAL + "winding_time = 2", 8, "say the same"),
+    ("[motor.j]\n" + THERMAL + "ambient = 160", 8, '"ambient" is 160'),
+    ("[motor.j]\n" + THERMAL + "housing_limit = 0", 8, '"housing_limit" is 0'),
+    ("[motor.j]\n" + THERMAL + "housing_ambient = 2", 2, "go together"),
+    ("[motor.j]\n" + THERMAL + "housing_capacity = 2", 2, "go together"),
     ("[motor.j]\n" + THERMAL + "torque_coefficient = 0.001", 8, '"torque_coefficient" is 0.001'),
-    ("[motor.j]\n" + THERMAL + "start = 900\ntorque_coefficient = -0.002", 8, "not positive at 900"),
+    ("[motor.j]\n" + THERMAL + "start = 900", 8, '"start" is 900'),
     ("[motor.j]\n" + THERMAL + "start = nan", 8, "not a finite number"),
     ("[motor.j]\n" + THERMAL + "drive_efficiency = 1.1", 8, '"drive_efficiency" is 1.1'),
     ("[motor.j]\n" + THERMAL + "ambiant = 20", 8, 'unknown key "ambiant"'),
@@ -153,12 +153,6 @@ def test_life_needs_no_motor():
     scene = Scene(gear_life={"j": GearLife(7000.0, 60.0, 200.0)}, rotor={"j": Rotor(1e-4, gear=100.0)})
     (joint,) = robodyn.torques(model, motion(model, [0.0, 1.0], zero, zero + 1.0, zero + 1.0), scene).sizing.joints
     assert joint.motor.gear_life > 0.0
-
-
-def test_capacities_follow_from_time_constants():
-    text = THERMAL.replace("winding_capacity = 20", "winding_time = 24\nhousing_ambient = 4.0\nhousing_time = 600")
-    thermal = parse_scene(b"[motor.j]\n" + text.encode()).motor["j"].thermal
-    assert (thermal.winding_capacity, thermal.housing_capacity) == (20.0, 150.0)
 
 
 def test_pose_is_a_motion_of_one_row(tmp_path):
