@@ -109,12 +109,13 @@ def command(
       robodyn torques robots/puma.urdf before.csv after.csv --report both.html
       robodyn torques robots/puma.urdf motion.csv --example --report puma.html
       robodyn torques robots/puma560.urdf log.db3 --measured --report measured.html
-      robodyn torques robots/puma560.urdf --at shoulder=-0.5,elbow=0.3 --reactions
+      robodyn torques robots/puma560.urdf --at shoulder=-0.5,elbow=0.3
     """
-    posed = next((f"--{name}" for name, x in (("at", call.at), ("qd", call.qd), ("qdd", qdd)) if x is not None), "")
+    posed = call.at is not None
     refuse_where(
-        (posed and trajectories, f"{posed} is of one pose, in place of {' '.join(trajectories)}"),
-        (posed and call.at is None, f"{posed} goes with --at"),
+        (posed and trajectories, f"--at is of one pose, in place of {' '.join(trajectories)}"),
+        (call.qd is not None and not posed, "--qd goes with --at"),
+        (qdd is not None and not posed, "--qdd goes with --at"),
         (not posed and not trajectories, "Missing argument 'TRAJECTORY...', or --at for one pose."),
     )
     if posed:
@@ -139,15 +140,10 @@ def command(
         return 0
     # Many are told by their number, by wildcards, or by results that go to a folder.
     wild = any(set("*?[") & set(name) and not os.path.lexists(name) for name in trajectories)
-    folder = (
-        trajectories
-        and call.out is not None
-        and (
-            call.out[-1:] in (os.sep, "/")
-            or (os.path.isdir(call.out) and not call.out.lower().endswith((*FILE_TYPES,)))
-        )
+    folder = call.out is not None and (
+        call.out[-1:] in (os.sep, "/") or (os.path.isdir(call.out) and not call.out.lower().endswith((*FILE_TYPES,)))
     )
-    many = len(trajectories) > 1 or wild or folder
+    many = len(trajectories) > 1 or wild or (folder and not posed)
     refuse_where(
         (cutoff is not None, "--cutoff goes with --measured"),
         (reactions and not call.out, "--reactions goes to a file, and --out names none"),

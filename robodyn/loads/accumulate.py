@@ -258,10 +258,8 @@ class TorqueAccumulator:
     def history(self) -> History | None:
         if self.courses is None:
             return None
-        at_peak = self.statistics.at_peak
-        return History(
-            *self.courses, tuple(at_peak[k] for k in range(len(at_peak))), self.sizing.heat if self.sizing else None
-        )
+        at_peak, heat = self.statistics.at_peak, self.sizing.heat if self.sizing else None
+        return History(*self.courses, tuple(at_peak[k] for k in range(len(at_peak))), heat)
 
     def _run(self, runner: Runner, sources: Mapping[str, Floats], expected: int) -> Run:
         executor, threads = self.options.executor, self.options.threads

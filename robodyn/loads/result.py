@@ -27,16 +27,10 @@ _SHOWN = 6
 DEGREES = "degC"
 Level = Literal["OK", "over continuous", "over temperature", "over peak", "no limits"]
 _Temperature = Literal["winding temperature", "housing temperature", "thermal runaway"]
-Quantity = Literal[
-    "motor torque",
-    "motor speed",
-    "RMS motor torque",
-    "gear torque",
-    "mean gear torque",
-    "effort",
-    "velocity",
-    _Temperature,
+_Load = Literal[
+    "motor torque", "motor speed", "RMS motor torque", "gear torque", "mean gear torque", "effort", "velocity"
 ]
+Quantity = Literal[_Load, _Temperature]
 
 
 @dataclass(frozen=True)

@@ -82,8 +82,8 @@ class HeatPass:
 
     def __init__(self, thermals: dict[int, Thermal]) -> None:
         self.thermals, self.places = thermals, list(thermals)
-        self._last = self._kept = np.empty((1 + 2 * len(thermals), 0))
-        self._per = 1
+        self._last = np.empty((1 + 2 * len(thermals), 0))
+        self._kept, self._per = list[Floats](), 1
 
     def update(self, time: Floats, torque: Floats, speed: Floats) -> None:
         """Take in time (N,), torque and speed (motors, N) at the shafts."""
@@ -91,14 +91,15 @@ class HeatPass:
         rows = np.hstack((self._last, np.vstack((time, T * T, T * speed[self.places]))))
         self._last, steps = rows[:, -1:], np.diff(rows[0])
         between = np.vstack((steps, 0.5 * steps * (rows[1:, 1:] + rows[1:, :-1])))
-        self._kept = np.hstack((self._kept, _merged(between, self._per)))
-        while self._kept.shape[1] > MOST:
-            self._kept, self._per = _merged(self._kept, 2), 2 * self._per
+        self._kept.append(_merged(between, self._per))
+        while sum(part.shape[1] for part in self._kept) > MOST:
+            self._kept, self._per = [_merged(np.hstack(self._kept), 2)], 2 * self._per
 
     def report(self, names: Sequence[str], history: bool) -> Heat:
         """Return what motors at these joints get to, and their courses if a page shows them."""
-        still, k = not self._kept.shape[1], len(self.places)
-        whole = np.vstack(([[1.0]], self._last[1:])) if still else self._kept  # a pose is held for ever
+        whole, k = np.hstack(self._kept), len(self.places)
+        still = not whole.shape[1]
+        whole = np.vstack(([[1.0]], self._last[1:])) if still else whole  # a pose is held for ever
         quickest = min(each.winding_housing * each.winding_capacity for each in self.thermals.values())
         parts = np.ceil(whole[0] / max(_FINE * quickest, float(np.sum(whole[0])) / _PARTS)).astype(int)
         whole = np.repeat(whole / parts, parts, axis=1)

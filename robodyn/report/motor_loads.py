@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
-from robodyn.loads.result import DEGREES, Exceeded, JointLoad, JointSizing, MotorLoad, Result, Sizing
+from robodyn.loads.result import DEGREES, Exceeded, JointLoad, JointSizing, Result, Sizing
 from robodyn.report.document import Facts, Paragraph, Section, Table, paragraphs
 from robodyn.report.sizes import Sizes, result_sizes, speed_unit
 from robodyn.report.table import axis_text, filled, first_names, is_noise, number, percent, printable
@@ -55,7 +55,7 @@ def sizing_sections(result: Result, sizing: Sizing) -> Iterator[Section]:
             row += [own.moment(motor.peak_time, motor.peak, motor.unit), own.number(motor.rms, motor.unit)]
             row += [own.amount(motor.max_speed, motor.speed_unit), size.number(motor.peak_power, "W")]
             row += [size.number(work, "J") for work in (motor.work_positive, motor.work_negative)]
-            shafts.append([*row, _ratio(motor)])
+            shafts.append([*row, "-" if motor.inertia_ratio is None else f"{motor.inertia_ratio:.3g}"])
     head = ["joint", "duty", "mean speed", "static peak", "static RMS", "hold share"]
     yield [Table("How joints are used", head, rows)] if rows else []
     head = ["joint", "gear", "peak", "at [s]", "RMS", "max speed", "peak power [W]", "work [J]", "returned [J]"]
@@ -125,10 +125,6 @@ def _heat_sections(sizing: Sizing, size: Sizes) -> Iterator[Section]:
     yield [Table("Life of gears, at this motion repeated", head, lives)] if lives else []
 
 
-def _ratio(motor: MotorLoad) -> str:
-    return "-" if motor.inertia_ratio is None else f"{motor.inertia_ratio:.3g}"
-
-
 def uses(load: JointLoad | JointUse, joint: JointSizing | None) -> list[tuple[float, str]]:
     """Return how much of each limit a joint uses [%], and of which."""
     found: list[tuple[float, float | None, str]] = []
@@ -149,9 +145,7 @@ def uses(load: JointLoad | JointUse, joint: JointSizing | None) -> list[tuple[fl
 def in_words(exceeded: Exceeded) -> str:
     """Return what is too large, by how much, when, and for how long."""
     if exceeded.quantity == "thermal runaway":
-        return (
-            f"repeated, this heats the winding ever more (thermal runaway), beyond its limit, {exceeded.limit:g} degC"
-        )
+        return f"repeated, this heats the winding ever more (thermal runaway), beyond {exceeded.limit:g} degC"
     unit, limit, (what, allowed) = exceeded.unit, exceeded.limit, _WORDS[exceeded.quantity]
     text = f"{what} is {number(exceeded.value)} {unit}, "
     share = 100 * exceeded.excess / limit if limit > 0 else 0.0

@@ -139,10 +139,8 @@ def _friction(table: TomlTable, **given: Any) -> parts.Friction:
 
 def _turns(table: TomlTable) -> dict[str, float | None]:
     """Return gear and lead of a rotor; a pinion's lead is the circumference of its pitch circle."""
-    gear, lead, radius = (
-        table.value("gear", float, None),
-        *(table.value(key, parts.Positive, None) for key in ("lead", "pitch_radius")),
-    )
+    gear = table.value("gear", float, None)
+    lead, radius = (table.value(key, parts.Positive, None) for key in ("lead", "pitch_radius"))
     if lead is not None and radius is not None:
         raise table.error('"lead" and "pitch_radius" are both given', "a screw has a lead, a pinion a radius", "lead")
     return {"gear": gear, "lead": lead if radius is None else 2.0 * pi * radius}

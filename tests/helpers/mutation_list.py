@@ -37,7 +37,7 @@ PIECES = {
         ("factor - slope * inside", "factor"),
         ("second @ first", "first @ second"),
         ("1.0 / thermal.drive_efficiency", "thermal.drive_efficiency"),
-        ("_merged(self._kept, 2)", "self._kept[:, ::2]"),
+        ("_merged(np.hstack(self._kept), 2)", "np.hstack(self._kept)[:, ::2]"),
         ("np.trace(cycle) < 0.0 and np.linalg.det(cycle[:, :2]) > 0.0", "True"),
     ],
     ("sizing/test_gears_screws_and_poses.py", "loads/sizing.py"): [
