@@ -144,8 +144,8 @@ def _charts(result: Result, model: Model, scene: Scene, history: History, course
         power = {printable(joints[k].name): course.curve(f"power_{joints[k].name}", size["W"]) for k in shown[:10]}
         charts.append(time_chart("Power of joints", "Power of joints", course.time, power, "W", rows=course.rows))
     yield from doc.titled("Along the motion", [*doc.paragraphs(said), *doc.gallery(charts)])
-    yield from doc.titled("Motors", doc.gallery(motors.values()))
-    yield from doc.titled("Temperatures of motors", _heat_chart(history.heat) if history.heat else [])
+    heat = _heat_chart(history.heat) if history.heat else ()
+    yield from doc.titled("Motors", doc.gallery([*motors.values(), *heat]))
     peaks = [joint for joint in joints if not is_noise(abs(joint.peak), size[joint.unit])]
     yield from doc.titled("What makes the peaks", _share_bars(peaks))
     if result.constraints is not None and scene.contacts:

@@ -44,7 +44,9 @@ PIECES = {
         ("train.life.rated_torque / gear_mean", "gear_mean / train.life.rated_torque"),
     ],
     ("sizing/test_temperature.py", "loads/sizing.py"): [("torque * speed - tau * qd", "torque * speed")],
-    ("sizing/test_gears_screws_and_poses.py", "scene/scene.py"): [("2.0 * pi / self.lead", "1.0 / self.lead")],
+    ("sizing/test_gears_screws_and_poses.py", "scene/scene.py"): [
+        ("(1.0 if self.gear is None else self.gear) * 2.0 * pi / self.lead", "1.0 / self.lead")
+    ],
     ("dynamics/test_golden.py", "dynamics/recursions/newton_euler.py"): [
         ("joint.R.T @ wd_j + cross(w_in, joint.w) + joint.wd", "joint.R.T @ wd_j + joint.wd"),
         ("2.0", "1.0"),

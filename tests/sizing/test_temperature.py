@@ -257,6 +257,8 @@ def test_gear_takes_its_share_of_the_energy():
     motor = robodyn.torques(model, motion(model, t, 0 * qd, qd, np.cos(t)[:, None]), scene).sizing.joints[0].motor
     load = 2.0  # J w per half cycle of accelerating, two of them
     assert motor.gear_loss == pytest.approx(load * (1 / 0.8 - 1) + load * (1 - 0.8), rel=1e-6)
+    begin = motion(model, t[:5001], 0 * qd[:5001], qd[:5001], np.cos(t[:5001])[:, None])  # 1 J into the wheel
+    assert robodyn.torques(model, begin, scene).sizing.joints[0].motor.gear_loss == pytest.approx(1 / 0.8 - 1, rel=1e-6)
 
 
 def test_example_of_the_puma_row_by_row():
