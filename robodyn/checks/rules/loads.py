@@ -26,7 +26,7 @@ ROWS = 16  # of the lattice
 MOST_BODIES = 150
 """Of larger robots the poses are not looked at: the work grows with the square of the number, or faster."""
 GRAVITY = 9.81
-_SWEEPS = 2  # in which each joint is given its best position
+_SWEEPS = 6  # in which each joint is given its best position
 _LEAST_LEVER = 0.05
 _WORTH = 1e-2  # s; damping that is slower than this on the body's own inertia is of no interest
 
