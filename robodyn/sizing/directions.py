@@ -28,7 +28,7 @@ class Mix(NamedTuple):
 class Lattice:
     """Directions by polar angle (rows + 1 of them, the poles as well) and longitude (columns, a multiple of 4) about z.
 
-    Values are (..., rows + 1, columns): of functions that are convex, and twice as large for vectors twice as long.
+    Values are (..., size), by rows: of functions that are convex, and twice as large for vectors twice as long.
     """
 
     def __init__(self, rows: int, columns: int) -> None:
@@ -39,7 +39,7 @@ class Lattice:
 
     @cached_property
     def directions(self) -> Floats:
-        """(3, (rows + 1) columns) unit vectors."""
+        """(3, size) unit vectors."""
         theta = self.polar * np.arange(self.rows + 1)[:, None]
         phi = self.step * np.arange(self.columns)
         x, y, z = np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta) + 0.0 * phi
@@ -48,10 +48,6 @@ class Lattice:
     @property
     def size(self) -> int:
         return (self.rows + 1) * self.columns
-
-    @cached_property
-    def sine(self) -> Floats:
-        return np.asarray(np.sin(self.polar * np.arange(self.rows + 1))[:, None])
 
     def mix(self, w: Floats) -> Mix:
         """Return the corners of the cells, planar trapezoids, through which vectors w (3, N) point, with their shares
@@ -72,24 +68,17 @@ class Lattice:
 
     def at(self, values: Floats, mix: Mix) -> Floats:
         """Return (..., N) bounds from above of functions of vectors, given as their `mix`."""
-        flat = values.reshape(*values.shape[:-2], -1)
-        found = flat[..., mix.places[0]] * mix.shares[0]
-        for place, share in zip(mix.places[1:], mix.shares[1:], strict=True):
-            found += flat[..., place] * share
-        return np.asarray(found)
-
-    def opposite(self, values: Floats) -> Floats:
-        """Return the functions of the opposite directions."""
-        return np.asarray(np.roll(values[..., ::-1, :], self.columns // 2, axis=-1))
+        return np.asarray(sum(values[..., k] * share for k, share in zip(mix.places, mix.shares, strict=True)))
 
     def turned(self, values: Floats, low: float, high: float) -> Floats:
         """Return bounds of the largest value over turns of the lattice about z by an angle q from low to high [rad]:
         `max_q f(Rot(z, q)^T w)`.
 
         An arc between two places is their mix, less a part of what stands along z, of up to `bulge`."""
-        axial = np.abs(np.cos(self.polar * np.arange(self.rows + 1)))[:, None]
-        behind = np.where(np.arange(self.rows + 1) < self.rows / 2, values[..., -1, :1], values[..., 0, :1])
-        back = axial * behind[..., None]
+        given, values = values.shape, values.reshape(*values.shape[:-1], -1, self.columns)
+        height = np.cos(self.polar * np.arange(self.rows + 1))
+        behind = np.where(height > 0.0, values[..., -1, :1], values[..., 0, :1])
+        back = np.abs(height)[:, None] * behind[..., None]
 
         def between(q: float) -> Floats:
             k = floor(q / self.step)
@@ -98,39 +87,33 @@ class Lattice:
             return np.asarray(moved + max(first + second - 1.0, 0.0) * back)
 
         if low == high:
-            return between(low)
-        first, last = ceil(low / self.step), floor(high / self.step)
-        if last - first + 1 >= self.columns:
-            most = np.broadcast_to(values.max(axis=-1, keepdims=True), values.shape)
-        else:
-            most = np.maximum(between(low), between(high))
-            if last >= first:
-                width, wide = 1, values
-                while 2 * width <= last - first + 1:
-                    wide, width = np.maximum(wide, np.roll(wide, width, axis=-1)), 2 * width
-                wide = np.maximum(wide, np.roll(wide, last - first + 1 - width, axis=-1))
-                most = np.maximum(most, np.roll(wide, first, axis=-1))
-        return np.asarray(most + self.bulge * (np.maximum(most, 0.0) + np.maximum(back, 0.0)))
+            return between(low).reshape(given)
+        most, first = np.maximum(between(low), between(high)), ceil(low / self.step)
+        count, width, wide = min(floor(high / self.step) - first + 1, self.columns), 1, values
+        if count > 0:
+            while 2 * width <= count:
+                wide, width = np.maximum(wide, np.roll(wide, width, axis=-1)), 2 * width
+            wide = np.maximum(wide, np.roll(wide, count - width, axis=-1))
+            most = np.maximum(most, np.roll(wide, first, axis=-1))
+        return np.asarray(most + self.bulge * (np.maximum(most, 0.0) + np.maximum(back, 0.0))).reshape(given)
 
-    def across(self, support: Floats) -> Floats:
-        """Return the most that `(h x g) . z` can be, of directions g, where `support` is that of h."""
-        return np.asarray(self.sine * np.roll(support[self.rows // 2], self.columns // 4))
+    def about(self, support: Floats, side: float = 1.0) -> Floats:
+        """Return the most that `(h x g) . z`, times the side, can be of directions g, `support` being that of h."""
+        return self.at(support, self.mix(np.cross(self.directions, (0.0, 0.0, side), axisa=0).T))
 
     def tilting(self, support: Floats) -> Floats:
-        """Return the most that the part of `h x g` across z can be in length: `max |h_z g_xy - g_z h_xy|`, by the
-        directions of the lattice's longitudes, between which a circle stands out of a polygon."""
-        g_z, g_xy = np.cos(self.polar * np.arange(self.rows + 1)), self.sine[:, 0]
-        most, count, upwards = np.zeros(support.shape), min(self.columns, 64), g_z > 0.0
-        for k in range(0, self.columns, self.columns // count):
-            x, z = np.abs(g_z), g_xy * cos(k * self.step)
-            theta, size = np.arctan2(x, z), np.hypot(x, z)
-            row = np.clip((theta / self.polar).astype(np.int64), 0, self.rows - 1)
-            theta = theta - row * self.polar
-            upper, lower = (size * np.sin(part) / sin(self.polar) for part in (self.polar - theta, theta))
-            found = upper[:, None] * support[row] + lower[:, None] * support[row + 1]
-            found[upwards] = np.roll(found[upwards], self.columns // 2, axis=1)
-            np.maximum(most, np.roll(found, -k, axis=1), out=most)
-        return most / cos(pi / len(range(0, self.columns, self.columns // count)))
+        """Return the most that the part of `h x g` across z can be in length, by directions around z, between which a
+        circle stands out of a polygon."""
+        most, places = np.zeros(support.shape), range(0, self.columns, max(self.columns // 64, 1))
+        for k in places:
+            turned = np.roll(support.reshape(-1, self.columns), -k, axis=1).ravel()
+            along = self.at(turned, self._about_x).reshape(-1, self.columns)
+            most = np.maximum(most, np.roll(along, k, axis=1).ravel())
+        return most / cos(pi / len(places))
+
+    @cached_property
+    def _about_x(self) -> Mix:
+        return self.mix(np.cross(self.directions, (1.0, 0.0, 0.0), axisa=0).T)
 
 
 @cache

@@ -8,23 +8,22 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from math import inf, isfinite, pi
 
 import numpy as np
 
 from robodyn.dynamics.effects.forces import acting
-from robodyn.dynamics.plan import Plan, plan, ready
 from robodyn.errors import InputError, SceneError
 from robodyn.loads.sizing import allowed, train_of
-from robodyn.programs.program import Program
-from robodyn.programs.vectors import frame, product
 from robodyn.robot.kinematics import configuration
 from robodyn.robot.limits import MOST_EFFORT, binding, coordinate_ranges
 from robodyn.robot.model import Joint, Model
 from robodyn.scene.fit import check_scene, known, refuse_constraints
 from robodyn.scene.scene import DEFAULT, Payload, Scene, Vector
 from robodyn.sizing.directions import lattice
-from robodyn.sizing.recursion import Key, Pull, Recursion, Row, along_gravity, weight_of
+from robodyn.sizing.poses import Poses
+from robodyn.sizing.recursion import Key, along_gravity, bounds, scale, weight_of
 from robodyn.support.floats import BEYOND, Floats, first_largest
 from robodyn.support.wording import shown
 
@@ -40,7 +39,9 @@ _HALVED = 5
 _FARTHEST = 1e3  # m
 _NOISE = 1e-8
 """Of all weight at the farthest reach: what is less is nothing."""
-_BLOCK = 20_000
+_BLOCK = 4096
+_HEAVY = 1e9
+"""A payload [kg] with which every joint that bears a part of it passes its limit."""
 Box = Mapping[str, tuple[float, float]]
 
 
@@ -102,9 +103,8 @@ class PayloadLimit:
     """The largest mass at a point of a link that every pose bears.
 
     Attributes:
-        mass: with which the limit is reached in a pose [kg]; 0 if it is passed without; None if none ever is.
+        mass: with which the limit of a joint is reached in a pose [kg]; 0 if passed without; None if none ever is.
         certified: with which no pose passes a limit, by the bounds [kg].
-        joint, pose, torque, limit: where it is reached.
     """
 
     link: str
@@ -113,13 +113,6 @@ class PayloadLimit:
     certified: float | None
     joint: str = ""
     pose: Mapping[str, float] = field(default_factory=dict)
-    torque: float = 0.0
-    limit: float = 0.0
-
-    @property
-    def gap(self) -> float | None:
-        """How much `certified` is below `mass`, as a share of it."""
-        return None if not self.mass or self.certified is None else 1.0 - self.certified / self.mass
 
 
 @dataclass(frozen=True)
@@ -303,83 +296,62 @@ class _Search:
     def __init__(self, model: Model, scene: Scene, low: Floats, high: Floats) -> None:
         self.model, self.scene, self.low, self.high = model, scene, low, high
         self.pull, self.rest = weight_of(model, scene), np.clip(configuration(model), low, high)
-        self.springs = {name: (each.stiffness, each.rest) for name, each in scene.spring.items() if each.stiffness}
+        springs = {name: (each.stiffness, each.rest) for name, each in scene.spring.items() if each.stiffness}
+        self.bounds = partial(bounds, model, springs=springs)
         self.joints = {joint.rate: joint for joint in model.independent if joint.kind != "floating"}
         bearings = [Key(what, i) for i in range(1, len(model.bodies)) for what in ("tilting", "radial")]
         self.keys = [*(Key("torque", rate) for rate in self.joints), *bearings, Key("tilting", 0)]
+        self.poses, self.nothing = Poses(model, self.keys, scene), _NOISE * scale(model, self.pull, low, high)
+        self.worst: dict[Key, tuple[float, Floats]] = {}
+        owners = [body.joint.coordinate for body in model.bodies[1:] if body.joint.multiplier]
+        self.shared = {k for k in owners if owners.count(k) > 1}
+        self.sprung = {body.joint.coordinate for body in model.bodies[1:] if body.joint.name in springs} - self.shared
         depth = [0]
         for parent in model.parents[1:]:
             depth.append(depth[parent] + 1)
         self.functions = 3 * sum(depth)
         """How many are kept on lattices at most."""
-        self.nothing = 0.0
-        self.worst: dict[Key, tuple[float, int, Floats]] = {}
 
-    def outputs(self, q: Floats, scene: Scene | None = None, executor: str = "numpy") -> Floats:
-        """(N, n + 6 bodies) torques and wrenches of poses at rest."""
-        still = frozenset((source, k) for source in ("qd", "qdd") for k in range(self.model.n))
-        runner = ready(_wrenches, plan(self.model, scene or self.scene, still))
-        zero = np.zeros((len(q), self.model.n))
-        return runner({"q": q, "qd": zero, "qdd": zero, "columns": np.empty((len(q), 0))}, len(q), executor=executor)
-
-    def values(self, rows: Sequence[Row], outputs: Floats) -> Floats:
-        """(N,) what each row asks for where outputs has one pose a row."""
-        return np.array([self.value(key, outputs[k : k + 1])[0] * side for k, (key, side) in enumerate(rows)])
-
-    def value(self, key: Key, outputs: Floats) -> Floats:
-        """(N,) what a key asks for in all poses of outputs: a torque with its sign, else a magnitude."""
-        if key.what == "torque":
-            return outputs[:, key.place]
-        first = self.model.n + 6 * key.place + (0 if key.what == "radial" else 3)
-        axis = self.model.bodies[key.place].joint.axis if key.place else (0.0, 0.0, 1.0)
-        x, y, _ = product(frame(np.asarray(axis, float)), outputs[:, first : first + 3].T)
-        return np.asarray(np.hypot(x, y))
-
-    def recursion(self, pull: Pull, rows: int, wanted: Collection[Key]) -> Recursion:
-        return Recursion(self.model, pull, self.low, self.high, lattice(rows), wanted, self.springs)
-
-    def look(self, recursion: Recursion, keys: Collection[Key], sweeps: int = 40, levels: int = 4) -> None:
-        """Keep of each key the worst pose that is found, with its side and value."""
-        rows = [(key, side) for key in keys for side in ((1, -1) if key.what == "torque" else (1,))]
-        q, _ = recursion.poses(rows, np.clip(self.rest, recursion.low, recursion.high), sweeps, levels)
-        for (key, side), pose, value in zip(rows, q, self.values(rows, self.outputs(q)).tolist(), strict=True):
-            before = self.worst[key][0] if key in self.worst else -inf
-            if value > before + max(1e-9 * abs(value), self.nothing):
-                self.worst[key] = value, side, pose
+    def look(self, keys: Collection[Key], low: Floats, high: Floats) -> None:
+        """Keep of each key the worst pose that is found between low and high, and its value."""
+        which = np.array([self.keys.index(key) for key in keys])
+        q, values = self.poses.worst(which, low, high, np.clip(self.rest, low, high))
+        for key, pose, value in zip(keys, q, values.tolist(), strict=True):
+            before = abs(self.worst[key][0]) if key in self.worst else -inf
+            if abs(value) > before + max(1e-9 * abs(value), self.nothing):
+                self.worst[key] = value, pose
 
     def enough(self, key: Key) -> float:
         """A bound that is near enough to the worst pose."""
-        return max(self.worst[key][0] * (1.0 + TARGET), self.nothing)
+        return max(abs(self.worst[key][0]) * (1.0 + TARGET), self.nothing)
 
     def loads(self) -> dict[Key, Load]:
         """Return the largest load of each key, and its bound."""
-        recursion, wanted = self.recursion(self.pull, ROWS[0], self.keys), self.keys
-        self.nothing, bounds = _NOISE * recursion.scale, _largest(recursion)
-        self.look(recursion, wanted)
+        most = self.bounds(self.pull, self.low, self.high, lattice(ROWS[0]), self.keys)
+        self.look(self.keys, self.low, self.high)
         for finer in ROWS[1:]:
-            wanted, before = [key for key in wanted if bounds[key] > self.enough(key)], dict(bounds)
+            wanted, before = [key for key in self.keys if most[key] > self.enough(key)], dict(most)
             if not wanted or self.functions * lattice(finer).size > _MOST:
                 break
-            recursion = self.recursion(self.pull, finer, wanted)
-            bounds.update({key: min(bounds[key], most) for key, most in _largest(recursion).items()})
-            self.look(recursion, [key for key in wanted if bounds[key] > self.enough(key)])
-            if all(bounds[key] > (1.0 - 0.2 * TARGET) * before[key] for key in wanted):
+            new = self.bounds(self.pull, self.low, self.high, lattice(finer), wanted)
+            most.update({key: min(most[key], new[key]) for key in wanted})
+            if all(most[key] > (1.0 - 0.2 * TARGET) * before[key] for key in wanted):
                 break
-        for k in recursion.special:
-            wanted, most_halved = [key for key in self.keys if bounds[key] > self.enough(key)], _HALVED
-            if k not in recursion.shared:  # a spring loads its own joint
+        for k in sorted(self.shared | self.sprung):
+            wanted = [key for key in self.keys if most[key] > self.enough(key)]
+            if k in self.sprung:  # a spring loads its own joint
                 wanted = [x for x in wanted if x.what == "torque" and self.joints[x.place].coordinate == k]
-                most_halved = 2 * _HALVED
-            bounds.update({key: min(bounds[key], most) for key, most in self._split(k, wanted, most_halved).items()})
+            new = self._split(k, wanted, _HALVED * (2 if k in self.sprung else 1))
+            most.update({key: min(most[key], new[key]) for key in wanted})
         found = {}
         for key in self.keys:
-            value, side, pose = self.worst[key]
+            value, pose = self.worst[key]
             slides = key.what == "torque" and self.joints[key.place].kind == "prismatic"
             unit = "N" if slides or key.what == "radial" else "N m"
-            if max(abs(value), bounds[key]) <= self.nothing:
+            if max(abs(value), most[key]) <= self.nothing:
                 found[key] = Load(0.0, 0.0, unit, self.named(self.rest))
             else:
-                found[key] = Load(value * side, bounds[key], unit, self.named(pose))
+                found[key] = Load(value, most[key], unit, self.named(pose))
         return found
 
     def _split(self, k: int, wanted: Sequence[Key], most_halved: int) -> dict[Key, float]:
@@ -391,10 +363,9 @@ class _Search:
             start, end, halved, keys = pieces.pop()
             low, high = self.low.copy(), self.high.copy()
             low[k], high[k] = start, end
-            recursion = Recursion(self.model, self.pull, low, high, lattice(ROWS[1]), keys, self.springs)
-            most, more = _largest(recursion), []
+            most, more = self.bounds(self.pull, low, high, lattice(ROWS[1]), keys), []
             if open_keys := [key for key in keys if most[key] > max(self.enough(key), found[key])]:
-                self.look(recursion, open_keys, sweeps=6, levels=1)
+                self.look(open_keys, low, high)
                 more = [key for key in open_keys if most[key] > self.enough(key)] if halved < most_halved else []
             found.update({key: max(found[key], most[key]) for key in keys if key not in more})
             if more:
@@ -409,77 +380,50 @@ class _Search:
         """Return the largest mass at a point of a link that every pose bears within limits, by entry of tau.
 
         A torque is `a + m b` in each pose, so that the most of it over all poses is convex in m. From a mass that is
-        too large the least that a pose allows is taken, again and again; the bound at that mass and the one without
-        have one between them that holds for all masses between."""
+        too large the least that a worst pose allows is taken, again and again; the bound at that mass and the one
+        without have one between them that holds for all masses between."""
         known("--payload", "link", link, self.model.links)
         if max(map(abs, point)) > _FARTHEST:
             raise InputError(f"--payload {link}: {max(map(abs, point)):g} m is too far out", remedy="the point is in m")
-        for rate, limit in limits.items():
-            one = found[Key("torque", rate)]
-            if abs(one.value) > BEYOND * limit:
-                return PayloadLimit(link, point, 0.0, 0.0, self.joints[rate].name, one.pose, one.value, limit)
-        loaded = replace(self.scene, payloads=(*self.scene.payloads, Payload(link, 1.0, point)))
-        whole = weight_of(self.model, loaded)
-        alone = Pull(whole.direction, whole.force - self.pull.force, whole.moment - self.pull.moment)
-        rows = [(Key("torque", rate), side) for rate in limits for side in (1, -1)]
-        wanted, most = {key for key, _ in rows}, np.array([limits[key.place] for key, _ in rows])
-        bare = np.array([found[key].bound for key, _ in rows])
-
-        def pulled(mass: float, finer: int = ROWS[0]) -> Recursion:
-            pull = Pull(alone.direction, self.pull.force + mass * alone.force, self.pull.moment + mass * alone.moment)
-            return self.recursion(pull, finer, wanted)
-
-        first = self.recursion(alone, ROWS[0], wanted)
-        nothing = _NOISE * first.scale
-        mass, worst = inf, None
-        q, _ = first.poses(rows, self.rest)
-        for _ in range(30):
-            without = self.values(rows, self.outputs(q))
-            slope = self.values(rows, self.outputs(q, loaded)) - without
-            with np.errstate(divide="ignore", invalid="ignore"):
-                allowed = np.where(slope > nothing, np.maximum(most - without, 0.0) / slope, inf)
-            k, last = first_largest(-allowed), mass
-            if allowed[k] < mass:
-                mass, worst = float(allowed[k]), (rows[k], q[k], float(without[k] + allowed[k] * slope[k]))
-            if not mass < last * (1.0 - 1e-9):
+        keys = [Key("torque", rate) for rate in limits]
+        for key, limit in zip(keys, limits.values(), strict=True):
+            if abs(found[key].value) > BEYOND * limit:
+                return PayloadLimit(link, point, 0.0, 0.0, self.joints[key.place].name, found[key].pose)
+        poses = Poses(self.model, keys, self.scene, Payload(link, 1.0, point))
+        which, most, mass, worst = np.arange(len(keys)), np.array([*limits.values()]), _HEAVY, None
+        for _ in range(30 if keys else 0):
+            q, values = poses.worst(which, self.low, self.high, self.rest, mass)
+            over = np.abs(values) > BEYOND * most
+            if not over.any():
                 break
-            q, _ = pulled(mass).poses(rows, self.rest)
+            without, loaded = (poses.parts(which, q[:, None], times)[:, 0, 0] * np.sign(values) for times in (0.0, 1.0))
+            allowed = np.full(len(keys), inf)
+            allowed[over] = np.maximum(most - without, 0.0)[over] / (loaded - without)[over]
+            k = first_largest(-allowed)
+            mass, worst = float(allowed[k]), (self.joints[keys[k].place].name, self.named(q[k]))
         if worst is None:
             return PayloadLimit(link, point, None, None)
-        certified = 0.0
+        pull = weight_of(self.model, replace(self.scene, payloads=(*self.scene.payloads, Payload(link, mass, point))))
+        bare, certified = np.array([found[key].bound for key in keys]), 0.0
         for finer in ROWS:
-            bounds = pulled(mass, finer).most
-            heavy = np.array([bounds[row] for row in rows])
+            heavy = np.array([*self.bounds(pull, self.low, self.high, lattice(finer), keys).values()])
             with np.errstate(divide="ignore", invalid="ignore"):
                 shares = np.where(heavy > most, np.maximum(most - bare, 0.0) / (heavy - bare), 1.0)
             certified = max(certified, mass * float(min(shares.min(), 1.0)))
             if certified >= mass * (1.0 - TARGET):
                 break
-        (key, side), pose, torque = worst
-        limit, name = limits[key.place], self.joints[key.place].name
-        return PayloadLimit(link, point, mass, certified, name, self.named(pose), side * torque, limit)
+        return PayloadLimit(link, point, mass, certified, *worst)
 
     def sampled(self, found: Mapping[Key, Load], count: int) -> Sampled:
         """Hold random poses against the bounds."""
-        random, share, of = np.random.default_rng(0), 0.0, Key("tilting", 0)
+        random, which, shares = np.random.default_rng(0), np.arange(len(self.keys)), np.zeros(len(self.keys))
+        most, self.poses.expected = np.array([found[key].bound or inf for key in self.keys]), count
         for start in range(0, count, _BLOCK):
-            size = min(_BLOCK, count - start)
-            q = self.low + random.random((size, self.model.nq)) * (self.high - self.low)
-            outputs = self.outputs(q, executor="auto" if count < _BLOCK else "compiled")
-            for key, load in found.items():
-                most = float(np.abs(self.value(key, outputs)).max())
-                if load.bound and most / load.bound > share:
-                    share, of = most / load.bound, key
-        if of.what == "torque":
-            return Sampled(count, share, self.joints[of.place].name)
-        name = self.model.bodies[of.place].joint.name
-        return Sampled(count, share, f"{of.what} load of {name}" if of.place else "tipping of the base")
-
-
-def _largest(recursion: Recursion) -> dict[Key, float]:
-    """The larger bound of the two sides of each key."""
-    return {key: max(recursion.most[key, side] for side in (1, -1)) for key in recursion.wanted}
-
-
-def _wrenches(a_plan: Plan) -> Program:
-    return a_plan.wrenches(joints=True)
+            q = self.low + random.random((min(_BLOCK, count - start), self.model.nq)) * (self.high - self.low)
+            sizes = np.sqrt((self.poses.parts(which, q[None]) ** 2).sum(axis=2))
+            shares = np.maximum(shares, sizes.max(axis=1) / most)
+        worst = first_largest(shares)
+        what, place = self.keys[worst]
+        name = self.joints[place].name if what == "torque" else self.model.bodies[place].joint.name
+        of = name if what == "torque" else f"{what} load of {name}" if place else "tipping of the base"
+        return Sampled(count, float(shares[worst]), of)

@@ -386,13 +386,13 @@ PIECES = {
     ("sizing/test_envelope.py", "sizing/directions.py"): [
         ("most + self.bulge * (np.maximum(most, 0.0) + np.maximum(back, 0.0))", "most"),
         ("moved + max(first + second - 1.0, 0.0) * back", "moved"),
-        ("np.roll(support[self.rows // 2], self.columns // 4)", "support[self.rows // 2]"),
+        ("return most / cos(pi / len(places))", "return most"),
         ("0.5 * np.tan(aside) / tan(self.step / 2.0)", "0.4 * np.tan(aside) / tan(self.step / 2.0)"),
     ],
     ("sizing/test_envelope.py", "sizing/recursion.py"): [
-        ("lattice.opposite(one) if joint.multiplier < 0.0 else one", "one"),
-        ("weight * product(joint.p, ways) + lattice.at(turned, self.mixes[k])", "lattice.at(turned, self.mixes[k])"),
-        ("value + sprung + ROUNDING * (self.scale + abs(sprung))", "value + ROUNDING * self.scale"),
+        ("lattice.about(support, copysign(1.0, joint.multiplier))", "lattice.about(support)"),
+        ("passed[0] += carried[i] * product(joint.p, ways[parent])", "passed[0] += 0.0"),
+        ("lattice.at(found[0][key], gravity) + sprung", "lattice.at(found[0][key], gravity)"),
     ],
 }
 MUTATIONS: dict[str, list[tuple[str, str, str]]] = {}

@@ -15,9 +15,11 @@ from robodyn.checks.rules.ranges import of_numbers
 from robodyn.programs.vectors import length, narrowed, product, skew
 from robodyn.robot.kinematics import body_poses
 from robodyn.robot.model import Joint, Model
+from robodyn.sizing import recursion
 from robodyn.sizing.directions import lattice
-from robodyn.sizing.recursion import Key, Recursion, weight_of
-from robodyn.support.floats import Floats, first_largest
+from robodyn.sizing.poses import Poses
+from robodyn.sizing.recursion import Key
+from robodyn.support.floats import Floats
 from robodyn.support.wording import figure
 
 ROWS = 16  # of the lattice
@@ -34,8 +36,8 @@ def static_torques(context: Context) -> list[tuple[Joint, float, Floats]]:
     torque of largest magnitude that was found at rest, with its sign, gravity being (0, 0, -9.81) along the root's axes
     [N m or N], and the pose (n,), with joints that do not matter nearest to 0 [rad or m]. From stage MODEL on.
 
-    Method: that of `sizing.recursion`, on a coarse lattice. Joints whose bound is within their limit are left out, and
-    robots on a floating base, and of more than MOST_BODIES bodies, give nothing.
+    Method: `sizing.recursion`, on a coarse lattice, and `sizing.poses`. Joints whose bound is within their limit are
+    left out, and robots on a floating base, and of more than MOST_BODIES bodies, give nothing.
 
     Accuracy: `torque` is that of `bias_forces` at `q` within 1e-12 of the weight at the farthest reach; of 4000 random
         poses none asks for more than 1.001 times as much."""
@@ -53,20 +55,14 @@ def static_torques(context: Context) -> list[tuple[Joint, float, Floats]]:
     if not joints:
         return []
     low, high = position_ranges(model)
-    wanted = frozenset(Key("torque", joint.rate) for joint in joints)
-    recursion = Recursion(model, weight_of(model), low, high, lattice(ROWS), wanted)
-    joints = [
-        x for x in joints if max(recursion.most[Key("torque", x.rate), side] for side in (1, -1)) > (x.effort or 0.0)
-    ]
-    rows = [(Key("torque", joint.rate), side) for joint in joints for side in (1, -1)]
-    if not rows:
+    keys = [Key("torque", joint.rate) for joint in joints]
+    most = recursion.bounds(model, recursion.weight_of(model), low, high, lattice(ROWS), keys)
+    beyond = [joint for joint, key in zip(joints, keys, strict=True) if most[key] > (joint.effort or 0.0)]
+    if not beyond:
         return []
-    q, values = recursion.poses(rows, np.clip(np.zeros(model.n), low, high), _SWEEPS, levels=1)
-    found = []
-    for k, joint in enumerate(joints):
-        worst = 2 * k + first_largest(values[2 * k : 2 * k + 2])
-        found.append((joint, float(values[worst]) * rows[worst][1], q[worst]))
-    return found
+    poses, rest = Poses(model, [Key("torque", joint.rate) for joint in beyond]), np.clip(0.0, low, high)
+    q, values = poses.worst(np.arange(len(beyond)), low, high, rest, sweeps=_SWEEPS, starts=2)
+    return [*zip(beyond, values.tolist(), q, strict=True)]
 
 
 def position_ranges(model: Model) -> tuple[Floats, Floats]:

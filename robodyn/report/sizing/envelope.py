@@ -84,18 +84,11 @@ def _payload(found: Envelope) -> Iterator[str]:
     if one.mass is None:
         yield f"Payload on {where}: no mass makes a joint pass a limit that is known."
     elif one.mass == 0.0:
-        yield f"Payload on {where}: none, {one.joint} is beyond its limit without: {_reached(found)}."
+        yield f"Payload on {where}: none, {one.joint} is beyond its limit without."
     else:
+        pose = ", ".join(f"{name} {_position(x)}" for name, x in one.pose.items())
         sure = f"with {number(one.certified or 0.0)} kg no pose passes a limit"
-        yield f"Payload on {where}: {number(one.mass)} kg, by {one.joint}, which then has {_reached(found)}; {sure}."
-
-
-def _reached(found: Envelope) -> str:
-    one = found.payload
-    assert one is not None, "a payload was asked for"
-    unit = next(joint.load.unit for joint in found.joints if joint.name == one.joint)
-    pose = ", ".join(f"{name} {_position(x)}" for name, x in one.pose.items())
-    return f"{number(abs(one.torque))} {unit} of {number(one.limit)} at {pose}"
+        yield f"Payload on {where}: {number(one.mass)} kg, by {one.joint} at {pose}; {sure}."
 
 
 def _notes(found: Envelope) -> Iterator[str]:
@@ -217,29 +210,20 @@ def _torques(found: Envelope, joint: JointEnvelope, moved: dict[str, Floats]) ->
 def envelope_json(found: Envelope) -> str:
     """Return all loads with bounds and poses, and what can be carried."""
     load = "[value bound gap? unit pose]"
-    joints = [
-        doc.select(
-            joint,
-            "name torque:load.value bound:load.bound gap:load.gap? unit:load.unit pose:load.pose "
-            f"effort_limit motor_limit limit use? tilting {load} radial {load}",
-        )
-        for joint in found.joints
-    ]
+    keys = "name torque:load.value bound:load.bound gap:load.gap? unit:load.unit pose:load.pose "
+    keys += f"effort_limit motor_limit limit use? tilting {load} radial {load}"
+    one, payload = found.payload, None
+    if one is not None:
+        binding = doc.select(one, "joint pose") if one.joint else None
+        payload = doc.select(one, "link point mass certified binding", binding=binding)
     return doc.written(
         doc.select(
             found,
             "robot gravity:scene.gravity joints base box payload samples [count share of] exceeded unlimited notes",
-            joints=joints,
+            joints=[doc.select(joint, keys) for joint in found.joints],
             base=doc.select(found, f"tipping {load} weight"),
-            payload=None
-            if found.payload is None
-            else doc.select(found.payload, "link point mass certified gap binding", binding=_binding(found)),
+            payload=payload,
             exceeded=[joint.name for joint in found.exceeded],
             notes=[*_notes(found)],
         )
     )
-
-
-def _binding(found: Envelope) -> dict[str, object] | None:
-    one = found.payload
-    return doc.select(one, "joint pose torque limit") if one is not None and one.joint else None
