@@ -180,16 +180,16 @@ def spline(points: WayPoints) -> Path:
     return Path(s, c, s, points.rows, s[kept], points.dwell[kept])
 
 
-def lines(points: WayPoints, radius: float = 0.0, stopping: bool = False) -> tuple[Path, int]:
-    """Return straight lines between the way-points, over their length [rad, m], and how many corners are narrower than
-    the radius: each is left and joined again at this distance from its way-point, at half of a line at most, by a curve
-    with a continuous second derivative, `q' = d0 + (d1 - d0) (3 t^2 - 2 t^3)`; where the radius is 0, or the robot
-    waits, it stops in the corner; `stopping`: in each."""
+def lines(points: WayPoints, radius: float = 0.0, stopping: bool = False) -> Path:
+    """Return straight lines between the way-points, over their length [rad, m]: each corner is left and joined again at
+    this distance from its way-point, at half of a line at most, by a curve with a continuous second derivative,
+    `q' = d0 + (d1 - d0) (3 t^2 - 2 t^3)`; where the radius is 0, or the robot waits, it stops in the corner;
+    `stopping`: in each."""
     ways = np.diff(points.q, axis=0)
     lengths = np.linalg.norm(ways, axis=1)
     along = ways / lengths[:, None]
     s = np.concatenate(([0.0], np.cumsum(lengths)))
-    n, narrow = points.q.shape[1], 0
+    n = points.q.shape[1]
     breaks, pieces, stops = [0.0], list[Floats](), [0]
     room = np.zeros(len(s))
     for k in range(1, len(s) - 1):
@@ -198,7 +198,6 @@ def lines(points: WayPoints, radius: float = 0.0, stopping: bool = False) -> tup
             stops.append(k)
         elif not straight:
             room[k] = min(radius, 0.5 * lengths[k - 1], 0.5 * lengths[k])
-            narrow += bool(room[k] < radius)
     for k in range(len(lengths)):
         begin, end = s[k] + room[k], s[k + 1] - room[k + 1]
         if end - begin > 1e-12 * s[-1]:
@@ -215,4 +214,4 @@ def lines(points: WayPoints, radius: float = 0.0, stopping: bool = False) -> tup
     stops.append(len(s) - 1)
     breaks[-1] = float(s[-1])
     c = np.stack(pieces, axis=1)
-    return Path(np.array(breaks), c, s, points.rows, s[stops], points.dwell[stops]), narrow
+    return Path(np.array(breaks), c, s, points.rows, s[stops], points.dwell[stops])
