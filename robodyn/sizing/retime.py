@@ -99,33 +99,20 @@ class Course(NamedTuple):
         return time, np.broadcast_to(np.arange(len(self.jerk)), time.shape)
 
     def averaged(self, width: float) -> Course:
-        """Return the moving average of s over this time, which takes it longer: `sdd(t) = (sd(t) - sd(t - width)) /
-        width`, and so on; the same where the width is 0. It begins and ends at rest."""
+        """Return the moving average of s over this time, of a course without jerk that begins and ends at rest, which
+        takes it longer: `sdd(t) = (sd(t) - sd(t - width)) / width`; the same where the width is 0."""
         if width <= 0.0:
             return self
-        steps = np.diff(self.time)
-        parts = self.s[:-1] + steps * (self.speed[:-1] / 2.0 + steps * (self.u[:-1] / 6.0 + steps * self.jerk / 24.0))
-        areas = np.concatenate(([0.0], np.cumsum(steps * parts)))
         knots = np.sort(np.concatenate((self.time, self.time + width)))
-        knots = knots[np.append(True, np.diff(knots) > 1e-9 * width)]  # those that rounding alone parts are one
-
-        def before(time: Floats) -> tuple[Floats, Floats, Floats]:
-            """The integral of s, s and sd."""
-            inside = np.clip(time, self.time[0], self.time[-1])
-            k = self.knot(inside)
-            t, (s, sd, _, _) = inside - self.time[k], self.at(inside, k)
-            area = self.s[k] + t * (self.speed[k] / 2.0 + t * (self.u[k] / 6.0 + t * self.jerk[k] / 24.0))
-            return areas[k] + t * area + (time - inside) * s, s, np.where(time == inside, sd, 0.0)
-
-        s, speed, u = ((a - b) / width for a, b in zip(before(knots), before(knots - width), strict=True))
-        middle = 0.5 * (knots[1:] + knots[:-1])
-        now, then = (
-            np.where((at > self.time[0]) & (at < self.time[-1]), self.at(at, self.knot(at))[2], 0.0)
-            for at in (middle, middle - width)
-        )
+        knots = knots[np.append(True, np.diff(knots) > 1e-7 * width)]  # those that rounding alone parts are one
+        now, then = (np.interp(knots - late, self.time, self.speed) for late in (0.0, width))
+        u, steps = (now - then) / width, np.diff(knots)
+        jerk = np.diff(u) / steps
+        speed = np.concatenate(([0.0], np.cumsum(0.5 * steps * (u[1:] + u[:-1])))).clip(0.0)
+        ways = steps * (speed[:-1] + steps * (u[:-1] / 2.0 + steps * jerk / 6.0))
+        s = self.s[0] + np.concatenate(([0.0], np.cumsum(ways)))
         piece = self.piece[:1] if (self.piece == self.piece[0]).all() else np.array([-1])
-        jerk = (now - then) / width
-        return Course(knots, s, np.maximum(speed, 0.0), u, jerk, np.repeat(piece, len(jerk)))
+        return Course(knots, s, speed, u, jerk, np.repeat(piece, len(jerk)))
 
 
 def _inside(speed: Floats, parts: int) -> Floats:

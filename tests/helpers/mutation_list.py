@@ -380,8 +380,8 @@ PIECES = {
     ("sizing/test_retime.py", "sizing/retime.py"): [
         ("first * u + second * sd * sd", "first * u"),
         ("a / j if given else ramp * rise", "0.5 * a / j if given else ramp * rise"),
-        ("(now - then) / width", "now / width"),
-        ("np.diff(knots) > 1e-9 * width", "np.diff(knots) > 0.0"),
+        ("u, steps = (now - then) / width", "u, steps = now / width"),
+        ("np.diff(knots) > 1e-7 * width", "np.diff(knots) > 0.0"),
     ],
     ("sizing/test_envelope.py", "sizing/directions.py"): [
         ("most + self.bulge * (np.maximum(most, 0.0) + np.maximum(back, 0.0))", "most"),
