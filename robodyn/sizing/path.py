@@ -141,23 +141,19 @@ class Path:
     def grid(self, points: int) -> Floats:
         """Return places (N,), about so many, every break among them, and where joints turn back; beside stops they are
         even in time rather than in s."""
+        from scipy.interpolate import PPoly
+
         lengths = np.diff(self.breaks)
         least = max(min(20, points // len(lengths)), min(len(self.stops) - 1, 2))
         counts = np.maximum(np.ceil(points * lengths / lengths.sum()), least)
         parts = [a + (b - a) * np.arange(m) / m for a, b, m in zip(self.breaks, self.breaks[1:], counts, strict=False)]
         s = np.concatenate([*parts, self.breaks[-1:]])
-        piece = self.pieces(0.5 * (s[1:] + s[:-1]))
-        turns = [s]
-        low, high = (np.broadcast_to(each[:, None], (len(each), self.c.shape[2])) for each in (s[:-1], s[1:]))
-        first, last = self.at(s[:-1], piece)[1], self.at(s[1:], piece)[1]
-        k, i = np.nonzero(first * last < 0.0)
-        low, high, sign = low[k, i].copy(), high[k, i].copy(), np.sign(first[k, i])
-        for _ in range(60 if len(k) else 0):
-            middle = 0.5 * (low + high)
-            before = self.at(middle, piece[k])[1][np.arange(len(k)), i] * sign > 0.0
-            low, high = np.where(before, middle, low), np.where(before, high, middle)
+        found = PPoly(self.c[::-1], self.breaks).derivative().roots(discontinuity=False, extrapolate=False)
+        roots = np.concatenate(found.tolist())
+        roots = roots[np.isfinite(roots)]
+        k = np.clip(np.searchsorted(s, roots) - 1, 0, len(s) - 2)
         near = 1e-6 * (s[k + 1] - s[k])
-        turns.append(low[(low - s[k] > near) & (s[k + 1] - low > near)])
+        turns = [s, roots[(roots - s[k] > near) & (s[k + 1] - roots > near)]]
         many, average = min(points // (8 * len(self.stops)), 16), self.breaks[-1] / points
         slow = many * average * np.square(np.arange(1, 4 * many) / (4 * many or 1))
         slow = (self.stops[:, None] + np.concatenate((slow, -slow))).ravel()
