@@ -141,23 +141,19 @@ class Path:
     def grid(self, points: int) -> Floats:
         """Return places (N,), about so many, every break among them, and where joints turn back; beside stops they are
         even in time rather than in s."""
+        from scipy.interpolate import PPoly
+
         lengths = np.diff(self.breaks)
         least = max(min(20, points // len(lengths)), min(len(self.stops) - 1, 2))
         counts = np.maximum(np.ceil(points * lengths / lengths.sum()), least)
         parts = [a + (b - a) * np.arange(m) / m for a, b, m in zip(self.breaks, self.breaks[1:], counts, strict=False)]
         s = np.concatenate([*parts, self.breaks[-1:]])
-        piece = self.pieces(0.5 * (s[1:] + s[:-1]))
-        turns = [s]
-        low, high = (np.broadcast_to(each[:, None], (len(each), self.c.shape[2])) for each in (s[:-1], s[1:]))
-        first, last = self.at(s[:-1], piece)[1], self.at(s[1:], piece)[1]
-        k, i = np.nonzero(first * last < 0.0)
-        low, high, sign = low[k, i].copy(), high[k, i].copy(), np.sign(first[k, i])
-        for _ in range(60 if len(k) else 0):
-            middle = 0.5 * (low + high)
-            before = self.at(middle, piece[k])[1][np.arange(len(k)), i] * sign > 0.0
-            low, high = np.where(before, middle, low), np.where(before, high, middle)
+        found = PPoly(self.c[::-1], self.breaks).derivative().roots(discontinuity=False, extrapolate=False)
+        roots = np.concatenate(found.tolist())
+        roots = roots[np.isfinite(roots)]
+        k = np.clip(np.searchsorted(s, roots) - 1, 0, len(s) - 2)
         near = 1e-6 * (s[k + 1] - s[k])
-        turns.append(low[(low - s[k] > near) & (s[k + 1] - low > near)])
+        turns = [s, roots[(roots - s[k] > near) & (s[k + 1] - roots > near)]]
         many, average = min(points // (8 * len(self.stops)), 16), self.breaks[-1] / points
         slow = many * average * np.square(np.arange(1, 4 * many) / (4 * many or 1))
         slow = (self.stops[:, None] + np.concatenate((slow, -slow))).ravel()
@@ -180,16 +176,16 @@ def spline(points: WayPoints) -> Path:
     return Path(s, c, s, points.rows, s[kept], points.dwell[kept])
 
 
-def lines(points: WayPoints, radius: float = 0.0, stopping: bool = False) -> tuple[Path, int]:
-    """Return straight lines between the way-points, over their length [rad, m], and how many corners are narrower than
-    the radius: each is left and joined again at this distance from its way-point, at half of a line at most, by a curve
-    with a continuous second derivative, `q' = d0 + (d1 - d0) (3 t^2 - 2 t^3)`; where the radius is 0, or the robot
-    waits, it stops in the corner; `stopping`: in each."""
+def lines(points: WayPoints, radius: float = 0.0, stopping: bool = False) -> Path:
+    """Return straight lines between the way-points, over their length [rad, m]: each corner is left and joined again at
+    this distance from its way-point, at half of a line at most, by a curve with a continuous second derivative,
+    `q' = d0 + (d1 - d0) (3 t^2 - 2 t^3)`; where the radius is 0, or the robot waits, it stops in the corner;
+    `stopping`: in each."""
     ways = np.diff(points.q, axis=0)
     lengths = np.linalg.norm(ways, axis=1)
     along = ways / lengths[:, None]
     s = np.concatenate(([0.0], np.cumsum(lengths)))
-    n, narrow = points.q.shape[1], 0
+    n = points.q.shape[1]
     breaks, pieces, stops = [0.0], list[Floats](), [0]
     room = np.zeros(len(s))
     for k in range(1, len(s) - 1):
@@ -198,7 +194,6 @@ def lines(points: WayPoints, radius: float = 0.0, stopping: bool = False) -> tup
             stops.append(k)
         elif not straight:
             room[k] = min(radius, 0.5 * lengths[k - 1], 0.5 * lengths[k])
-            narrow += bool(room[k] < radius)
     for k in range(len(lengths)):
         begin, end = s[k] + room[k], s[k + 1] - room[k + 1]
         if end - begin > 1e-12 * s[-1]:
@@ -215,4 +210,4 @@ def lines(points: WayPoints, radius: float = 0.0, stopping: bool = False) -> tup
     stops.append(len(s) - 1)
     breaks[-1] = float(s[-1])
     c = np.stack(pieces, axis=1)
-    return Path(np.array(breaks), c, s, points.rows, s[stops], points.dwell[stops]), narrow
+    return Path(np.array(breaks), c, s, points.rows, s[stops], points.dwell[stops])

@@ -56,28 +56,6 @@ class Intervals:
         low = np.where(idle & (b < -weight), bound, 0.0).max(axis=1, initial=0.0)
         low = np.where((idle & (np.abs(b) <= weight) & (d < 0.0)).any(axis=1), np.inf, low)
         self.high, self.low = np.minimum(high, most[:-1]), low
-        self.most = most
-        self._largest()
-
-    def _largest(self) -> None:
-        """Find the largest x of each interval at which any u is left, by Newton's steps from above, all at once."""
-        p, q = self.p, self.q
-        x = np.where(np.isfinite(self.high), self.high, 1e12)
-        rows = np.arange(len(x))
-        for _ in range(_TRIES):
-            values = p[rows] - q[rows] * x[rows, None, None]
-            places = values.argmin(axis=2)[:, :, None]
-            room = np.take_along_axis(values, places, 2)[..., 0]
-            level, falls = (np.take_along_axis(each[rows], places, 2)[..., 0].sum(axis=1) for each in (p, q))
-            with np.errstate(invalid="ignore"):
-                wrong = room.sum(axis=1) < -_SLACK * np.abs(room).sum(axis=1)
-            closes = wrong & (falls > 0.0)
-            x[rows[wrong & ~closes]] = -1.0
-            rows = rows[closes]
-            if not len(rows):
-                break
-            x[rows] = level[closes] / falls[closes]
-        self.high = np.minimum(self.high, np.where(np.isfinite(self.high) | (x < 1e12), x, np.inf))
 
     def fastest(self) -> Pass:
         """Return the fastest pass that is at rest at both ends: the sets of x from which the end can be reached,

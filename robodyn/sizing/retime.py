@@ -41,7 +41,7 @@ from robodyn.sizing.along import (
 from robodyn.sizing.path import Path, lines, read_path, spline
 from robodyn.sizing.reachability import Intervals
 from robodyn.support.floats import Floats, first_of_ties, ranked
-from robodyn.support.wording import count, shown
+from robodyn.support.wording import shown
 
 PROFILES = ("optimal", "trapezoid", "scurve")
 GRID, RATE = 2000, 250.0
@@ -99,33 +99,20 @@ class Course(NamedTuple):
         return time, np.broadcast_to(np.arange(len(self.jerk)), time.shape)
 
     def averaged(self, width: float) -> Course:
-        """Return the moving average of s over this time, which takes it longer: `sdd(t) = (sd(t) - sd(t - width)) /
-        width`, and so on; the same where the width is 0. It begins and ends at rest."""
+        """Return the moving average of s over this time, of a course without jerk that begins and ends at rest, which
+        takes it longer: `sdd(t) = (sd(t) - sd(t - width)) / width`; the same where the width is 0."""
         if width <= 0.0:
             return self
-        steps = np.diff(self.time)
-        parts = self.s[:-1] + steps * (self.speed[:-1] / 2.0 + steps * (self.u[:-1] / 6.0 + steps * self.jerk / 24.0))
-        areas = np.concatenate(([0.0], np.cumsum(steps * parts)))
         knots = np.sort(np.concatenate((self.time, self.time + width)))
-        knots = knots[np.append(True, np.diff(knots) > 1e-9 * width)]  # those that rounding alone parts are one
-
-        def before(time: Floats) -> tuple[Floats, Floats, Floats]:
-            """The integral of s, s and sd."""
-            inside = np.clip(time, self.time[0], self.time[-1])
-            k = self.knot(inside)
-            t, (s, sd, _, _) = inside - self.time[k], self.at(inside, k)
-            area = self.s[k] + t * (self.speed[k] / 2.0 + t * (self.u[k] / 6.0 + t * self.jerk[k] / 24.0))
-            return areas[k] + t * area + (time - inside) * s, s, np.where(time == inside, sd, 0.0)
-
-        s, speed, u = ((a - b) / width for a, b in zip(before(knots), before(knots - width), strict=True))
-        middle = 0.5 * (knots[1:] + knots[:-1])
-        now, then = (
-            np.where((at > self.time[0]) & (at < self.time[-1]), self.at(at, self.knot(at))[2], 0.0)
-            for at in (middle, middle - width)
-        )
+        knots = knots[np.append(True, np.diff(knots) > 1e-7 * width)]  # those that rounding alone parts are one
+        now, then = (np.interp(knots - late, self.time, self.speed) for late in (0.0, width))
+        u, steps = (now - then) / width, np.diff(knots)
+        jerk = np.diff(u) / steps
+        speed = np.concatenate(([0.0], np.cumsum(0.5 * steps * (u[1:] + u[:-1])))).clip(0.0)
+        ways = steps * (speed[:-1] + steps * (u[:-1] / 2.0 + steps * jerk / 6.0))
+        s = self.s[0] + np.concatenate(([0.0], np.cumsum(ways)))
         piece = self.piece[:1] if (self.piece == self.piece[0]).all() else np.array([-1])
-        jerk = (now - then) / width
-        return Course(knots, s, np.maximum(speed, 0.0), u, jerk, np.repeat(piece, len(jerk)))
+        return Course(knots, s, speed, u, jerk, np.repeat(piece, len(jerk)))
 
 
 def _inside(speed: Floats, parts: int) -> Floats:
@@ -161,12 +148,9 @@ class Retimed:
     Attributes:
         feasible: whether a motion keeps all limits; if not, `reason` says why, `where` the joint, the row of the path,
             and what is `missing` in its `unit`.
-        grid: intervals of the path in which limits were kept, 0 if it is not the optimal profile.
         time: (N,) [s]; q, qd, qdd, tau: (N, n); row: (N,) where on the path, as rows of its table.
         binding: which limits bind, the most frequent first; joints: what each uses of its limits.
         used: (7, N, n) what is used of each of `LIMITS`, 0 where there is none; limits: (7, n).
-        most: rows, and there the largest rows per second at which any acceleration is left, of the optimal profile.
-        unlimited: the duration without limits of jerk [s], where the optimal profile has some.
     """
 
     model: Model
@@ -176,7 +160,6 @@ class Retimed:
     limits: Floats
     reason: str = ""
     where: Mapping[str, Any] = field(default_factory=dict)
-    grid: int = 0
     time: Floats = field(default_factory=lambda: np.zeros(0))
     q: Floats = field(default_factory=lambda: np.zeros((0, 0)))
     qd: Floats = field(default_factory=lambda: np.zeros((0, 0)))
@@ -186,8 +169,6 @@ class Retimed:
     binding: tuple[Binding, ...] = ()
     joints: tuple[JointUse, ...] = ()
     used: Floats = field(default_factory=lambda: np.zeros((0, 0, 0)))
-    most: tuple[Floats, Floats] | None = None
-    unlimited: float | None = None
     warnings: tuple[str, ...] = ()
 
     @property
@@ -258,38 +239,26 @@ def retime(
     check_supported(model, scene)
     _check(profile, speed, blend, rate, grid, jerk)
     bounds = bounds_of(model, scene, acceleration, jerk, speed)
-    points, warnings = read_path(path, model, scene, **reading), list[str]()
-    if profile == "optimal" and blend is None:
-        way = spline(points)
-    else:
-        way, narrow = lines(points, blend or 0.0, stopping=profile != "optimal")
-        if narrow:
-            what = f"{count(narrow, 'corner')} rounded from less than {blend:g} on"
-            warnings.append(f"{what}: half of the way to the next way-point")
-    found: dict[str, Any] = {}
-    limits = np.vstack((bounds.limits, bounds.jerk))
+    points = read_path(path, model, scene, **reading)
+    exact = profile == "optimal" and blend is None
+    way = spline(points) if exact else lines(points, blend or 0.0, stopping=profile != "optimal")
     try:
         _check_range(model, way, grid)
         if profile == "optimal":
             along = Along(bounds, way, way.grid(max(grid, len(way.breaks) - 1)))
-            kept, x, top = _fastest(along)
-            free = replace(bounds, jerk=np.full(model.n, np.inf))
-            course = _settled(free, way, _joined(way, _stretches(along, x)), Course.fine)[0]
-            with np.errstate(divide="ignore"):
-                pace = np.diff(way.row(along.s)) / along.steps * np.sqrt(top)
-            found |= {"grid": len(along.steps), "most": (way.row(along.s[:-1]), pace)}
-            if np.isfinite(bounds.jerk).any():
-                found["unlimited"] = float(course.time[-1])
-                course = _settled(bounds, way, _within_jerk(along, kept, x), Course.fine)[0]
+            kept, x = _fastest(along)
+            jerky = np.isfinite(bounds.limits[JERK]).any()
+            course = _within_jerk(along, kept, x) if jerky else _joined(way, _stretches(along, x))
         elif len(way.breaks) > MOST_STOPS:
             what = f"{len(way.breaks)} way-points to stop at"
             raise InputError(what, remedy=f"{MOST_STOPS} at most; --profile optimal follows a dense path in one go")
         else:
             moves = [_move(bounds, way, k, profile) for k in range(len(way.breaks) - 1)]
-            course = _settled(bounds, way, _joined(way, moves), Course.fine)[0]
+            course = _joined(way, moves)
+        course = _settled(bounds, way, course, Course.fine)[0]
     except InfeasibleError as why:
-        return Retimed(model, scene, profile, way, limits, str(why), why.where, warnings=tuple(warnings))
-    return _result(bounds, way, limits, course, rate, profile, warnings, found)
+        return Retimed(model, scene, profile, way, bounds.limits, str(why), why.where)
+    return _result(bounds, way, course, rate, profile)
 
 
 def _check(profile: str, speed: float, blend: float | None, rate: float, grid: int, jerk: Any) -> None:
@@ -338,34 +307,43 @@ def _place(path: Path, s: float) -> str:
     return f"at row {below}" if abs(row - round(row)) < 1e-6 else f"between rows {below} and {below + 1}"
 
 
-def _fastest(along: Along) -> tuple[Floats, Floats, Floats]:
-    """Return what is kept of limits (6, N, n) so that none is passed in between, x (N + 1,) of the fastest pass, and
-    the largest x (N,) at which any acceleration is left."""
-    n = len(along.steps)
-    kept, x, before, settled = np.ones((JERK, n, along.bounds.model.n)), np.zeros(n + 1), np.inf, not along.bent
-    for turn in range(_ROUNDS):
-        intervals, x = _pass(along, x, kept)
-        if turn == 0 and (free := np.isinf(intervals.p).all(axis=(1, 2))).any():
-            what = f"nothing limits the acceleration of what moves {_place(along.path, along.s[int(free.argmax())])}"
-            raise InputError(what, remedy="--acceleration A; the description gives no effort, the scene no motor")
+def _fastest(along: Along) -> tuple[Floats, Floats]:
+    """Return what is kept of limits (6, N, n) so that none is passed in between, and x (N + 1,) of the fastest pass."""
+    n, x, before, settled = len(along.steps), np.full(len(along.s), 0.01), np.inf, False
+    kept = np.ones((JERK, n, along.bounds.model.n))
+    for _ in range(_ROUNDS):
+        intervals = Intervals(along.rows(x, kept), along.steps, along.most(kept))
+        if (free := np.isinf(intervals.p).all(axis=(1, 2))).any():
+            raise _free(along.path, float(along.s[int(free.argmax())]))
+        found = intervals.fastest()
+        if found.stuck is not None:
+            why = _stuck(along, found.stuck)
+            if why.where["missing"] or x.max() < 1e-15:
+                raise why
+            x = x / 16.0  # friction that grows with speed is less at a lower one
+            continue
+        x = found.x
         course = _whole(along, x)
-        used = along.bounds.uses(*course.states(along.path, *course.fine())[:3])[0].max(axis=1)  # (6, N, n)
+        used = along.bounds.uses(*course.states(along.path, *course.fine())[:3]).max(axis=1)  # (6, N, n)
         duration = float(course.time[-1])
         if used.max() <= 1.0 + 100.0 * _ROUNDING and (settled or abs(duration - before) <= _SAME * duration):
             break
         settled, before = settled or abs(duration - before) <= 1e-5 * duration, duration
         if settled:
             kept = np.where(used > 1.0 + _ROUNDING, kept / (np.maximum(used, 1.0) * (1.0 + 10.0 * _ROUNDING)), kept)
-    return kept, x, intervals.high
+    return kept, x
 
 
-def _pass(along: Along, x: Floats, kept: Floats) -> tuple[Intervals, Floats]:
-    """Return the limits near a profile x, and the fastest pass that keeps them; raise if there is none."""
-    intervals = Intervals(along.rows(x, kept), along.steps, along.most(kept))
-    found = intervals.fastest()
+def _pass(along: Along, x: Floats, kept: Floats) -> Floats:
+    found = Intervals(along.rows(x, kept), along.steps, along.most(kept)).fastest()
     if found.stuck is not None:
         raise _stuck(along, found.stuck)
-    return intervals, found.x
+    return found.x
+
+
+def _free(path: Path, s: float) -> InputError:
+    what = f"nothing limits the acceleration of what moves {_place(path, s)}"
+    return InputError(what, remedy="--acceleration A; the description gives no effort, the scene no motor")
 
 
 def _whole(along: Along, x: Floats) -> Course:
@@ -403,7 +381,7 @@ def _joined(path: Path, stretches: list[Course]) -> Course:
 def _uses(bounds: Bounds, path: Path, course: Course, time: Floats, k: NDArray[np.int64]) -> Floats:
     """Return (7, ..., n) what a course uses of each limit at these times."""
     q, qd, qdd, qddd = course.states(path, time, k)
-    return np.concatenate((bounds.uses(q, qd, qdd)[0], (np.abs(qddd) / bounds.jerk)[None]))
+    return np.concatenate((bounds.uses(q, qd, qdd), (np.abs(qddd) / bounds.limits[JERK])[None]))
 
 
 def _slack(used: Floats) -> float:
@@ -431,19 +409,19 @@ def _settled(
 
 def _stuck(along: Along, k: int) -> InfeasibleError:
     """Return why no pass leads through interval k: the joint that cannot stand or creep on the path, if one cannot."""
-    bounds, model, path, ends = along.bounds, along.bounds.model, along.path, along.ends
-    zero, families = np.zeros_like(ends.q), [EFFORT, MOTOR_TORQUE, GEAR]
-    creeping = np.broadcast_to(SLOWEST * ends.way, zero.shape)
-    for verb, slow in (("stand still", zero), ("creep against friction", creeping)):
-        used, tau = bounds.uses(ends.q, slow, zero)
-        used = used[families]
+    bounds, model, path = along.bounds, along.bounds.model, along.path
+    families, zero = [EFFORT, MOTOR_TORQUE, GEAR], np.zeros_like(along.q)
+    s = np.stack((along.s[:-1], along.s[1:]))
+    for verb, slow in (("stand still", zero), ("creep against friction", zero + SLOWEST * along.way)):
+        values, limits = bounds.values(along.q, slow, zero)
+        used = (np.abs(values) / limits)[families]
         if used.max() > 1.0:
             which, end, at, i = (int(each) for each in np.unravel_index(int(used.argmax()), used.shape))
-            share, needs, unit, s = float(used.max()), abs(float(tau[end, at, i])), _units(model, i)[1], ends.s[end, at]
+            share, needs, unit = float(used.max()), abs(float(values[EFFORT, end, at, i])), _units(model, i)[1]
             what, missing = LIMITS[families[which]], needs - needs / share
-            why = f"{model.joint_names[i]} needs {needs:.6g} {unit} to {verb} {_place(path, s)}, and its limit of "
-            why += f"{what} bears {needs / share:.6g} {unit}: {missing:.4g} {unit} are missing"
-            return InfeasibleError(why, model, path, s, i, missing, unit)
+            why = f"{model.joint_names[i]} needs {needs:.6g} {unit} to {verb} {_place(path, s[end, at])}, and its limit"
+            why += f" of {what} bears {needs / share:.6g} {unit}: {missing:.4g} {unit} are missing"
+            return InfeasibleError(why, model, path, s[end, at], i, missing, unit)
     which, end, i = (int(each) for each in np.unravel_index(int(used[:, :, k].argmax()), used[:, :, k].shape))
     why = f"no speed keeps all limits {_place(path, along.s[k])}; the nearest to its own is {model.joint_names[i]}, "
     why += f"which uses {100.0 * used[which, end, k, i]:.3g} % of its limit of {LIMITS[families[which]]} at rest"
@@ -453,18 +431,20 @@ def _stuck(along: Along, k: int) -> InfeasibleError:
 def _within_jerk(along: Along, kept: Floats, x: Floats) -> Course:
     """Return a course within the limits of jerk: the moving average of the fastest pass under limits that are lowered
     where it passes them, over the time that makes the shortest motion."""
-    bounds, path = along.bounds, along.path
+    bounds, path, jerk = along.bounds, along.path, along.bounds.limits[JERK]
     first = _joined(path, _stretches(along, x))
     fastest = np.abs(first.states(path, *first.fine())[2]).max(axis=(0, 1))
-    lone = 0.25 * np.cbrt(8.0 * fastest * first.time[-1] ** 2 / bounds.jerk)  # where nothing else limits the motion
-    width, best, shortest, since = 4.0 * float(np.minimum(fastest / bounds.jerk, lone).max()), first, np.inf, 0
+    lone = 0.25 * np.cbrt(8.0 * fastest * first.time[-1] ** 2 / jerk)  # where nothing else limits the motion
+    width, best, shortest, since = 4.0 * float(np.minimum(fastest / jerk, lone).max()), first, np.inf, 0
     while since < _TRIED and width > 0.0:
         width, softer, since = 0.5 * width, kept, since + 1
-        softest = np.minimum(fastest, width * bounds.jerk)
-        along.softest = np.where(softest > 1e-9 * softest.max(), softest, np.inf)
+        limits = bounds.limits.copy()
+        softest = np.minimum(fastest, width * jerk)
+        limits[ACCELERATION] = np.minimum(limits[ACCELERATION], np.maximum(softest, 1e-9 * softest.max()))
+        along.bounds = replace(bounds, limits=limits)
         for _ in range(_SOFTER):
             try:
-                x = _pass(along, x, softer)[1]
+                x = _pass(along, x, softer)
             except InfeasibleError:
                 break
             over = np.ones_like(kept)
@@ -495,7 +475,7 @@ def _move(bounds: Bounds, path: Path, k: int, profile: str) -> Course:
     """
     length, way = float(path.breaks[k + 1] - path.breaks[k]), np.abs(path.c[1, k])
     with np.errstate(divide="ignore"):
-        fast, sharp, j = (float((each / way).min()) for each in (bounds.speed, bounds.acceleration, bounds.jerk))
+        fast, sharp, j = (float((each / way).min()) for each in (bounds.speed, *bounds.limits[[ACCELERATION, JERK]]))
 
     def course(a: float, v: float) -> Course:
         ramp, given = RAMP if profile == "scurve" else 0.0, np.isfinite(j)
@@ -516,9 +496,8 @@ def _move(bounds: Bounds, path: Path, k: int, profile: str) -> Course:
         one = course(a, v)
         return bool(_uses(bounds, path, one, *one.fine(64))[EFFORT:JERK].max() <= 1.0)
 
-    if not np.isfinite(sharp) and not (np.isfinite(bounds.effort) | bounds.driven).any():
-        what = f"nothing limits the acceleration {_place(path, path.breaks[k])}"
-        raise InputError(what, remedy="--acceleration A; the description gives no effort, the scene no motor")
+    if not np.isfinite(sharp) and not np.isfinite(bounds.limits[EFFORT]).any() and not bounds.trains:
+        raise _free(path, float(path.breaks[k]))
     high, v = (sharp, fast) if np.isfinite(sharp) else (1e8 * length, min(fast, 1e4 * length))
     if keeps(high, v):
         return course(high, v)
@@ -533,16 +512,7 @@ def _move(bounds: Bounds, path: Path, k: int, profile: str) -> Course:
     return course(low, v)
 
 
-def _result(
-    bounds: Bounds,
-    path: Path,
-    limits: Floats,
-    course: Course,
-    rate: float,
-    profile: str,
-    warnings: list[str],
-    found: Any,
-) -> Retimed:
+def _result(bounds: Bounds, path: Path, course: Course, rate: float, profile: str) -> Retimed:
     """Sample a course, and say what binds."""
     names, n = bounds.model.joint_names, bounds.model.n
 
@@ -557,19 +527,31 @@ def _result(
     course, used = _settled(bounds, path, course, rows)
     time, k = rows(course)
     q, qd, qdd, _ = course.states(path, time, k)
-    tau = bounds.torques(q, qd, qdd)
+    tau = bounds.values(q, qd, qdd)[0][EFFORT]
     flat = np.ascontiguousarray(used.transpose(1, 0, 2).reshape(len(time), -1))
     leads = np.where(flat.max(axis=1) < BINDS, -1, first_of_ties(flat))
     shares = [Binding(names[f % n], LIMITS[f // n], float((leads == f).mean())) for f in range(flat.shape[1])]
     binding = ranked((one for one in shares if one.share_of_time > 0.0), lambda one: one.share_of_time)
     use = [{LIMITS[f]: float(used[f, :, i].max()) for f in np.flatnonzero(used[:, :, i].any(axis=1))} for i in range(n)]
-    found |= {"time": time, "q": q, "qd": qd, "qdd": qdd, "tau": tau, "row": path.row(course.at(time, k)[0])}
-    found |= {"binding": tuple(binding), "joints": tuple(map(JointUse, names, use)), "used": used}
-    more = (*warnings, *_continuous(bounds, time, qd, qdd, tau))
-    return Retimed(bounds.model, bounds.scene, profile, path, limits, warnings=more, **found)
+    warnings = tuple(_continuous(bounds, qd, qdd, tau))
+    at: dict[str, Any] = {
+        "time": time,
+        "q": q,
+        "qd": qd,
+        "qdd": qdd,
+        "tau": tau,
+        "row": path.row(course.at(time, k)[0]),
+    }
+    said: dict[str, Any] = {
+        "binding": tuple(binding),
+        "joints": tuple(map(JointUse, names, use)),
+        "used": used,
+        "warnings": warnings,
+    }
+    return Retimed(bounds.model, bounds.scene, profile, path, bounds.limits, **at, **said)
 
 
-def _continuous(bounds: Bounds, time: Floats, qd: Floats, qdd: Floats, tau: Floats) -> Iterator[str]:
+def _continuous(bounds: Bounds, qd: Floats, qdd: Floats, tau: Floats) -> Iterator[str]:
     """Yield what is said of motors whose RMS torque is above their continuous curves, if the motion is repeated."""
     for i, train in bounds.trains:
         torque = motor_torque(train, load_torque(train, tau[:, i], qdd[:, i]), qd[:, i], qdd[:, i])

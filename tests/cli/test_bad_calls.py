@@ -142,7 +142,7 @@ CALLS: dict[str, str] = {
     "retime arm.urdf arm.csv --speed fast": "invalid value for '--speed': 'fast' is no share, such as 80% or 0.8",
     "retime arm.urdf arm.csv --speed 0%": "speed is 0 % (more than 0 %, at most 100 % of the velocity limits)",
     "retime arm.urdf arm.csv --grid 5": "a grid of 5 intervals (10 to 50000)",
-    "retime arm.urdf arm.csv --acceleration elbo=1": "acceleration: there is no joint 'elbo' (did you mean 'elbow'?)",
+    "retime arm.urdf arm.csv --acceleration elbo=1": "arm.urdf: no joint 'elbo' to set (did you mean 'elbow'?)",
     "retime arm.urdf arm.csv --jerk 1 --profile trapezoid": "a trapezoid has no limit of jerk (--profile scurve)",
     f"retime robots/crank_slider.urdf arm.csv {PUMP.partition(' ')[2]}": f"robots/crank_slider_pump.toml: {TREES[:22]}",
     "excite arm.urdf --seed -1": "invalid value for '--seed': -1 is less than 0",

@@ -94,6 +94,8 @@ def test_viscous_friction_as_the_equation_of_motion_has_it():
     for _ in range(80):
         t = 0.5 * (low + high)
         low, high = (t, high) if rest(t)[0] < L else (low, t)
+    slow = retime(slide(), [[0.0], [L]], Scene(friction={"x": Friction(viscous=1e4)}))  # at its last speed all along
+    assert slow.duration == pytest.approx(L * 1e4 / F, rel=1e-3)
     # in each interval the friction of its faster end counts: the error is of first order in their length
     assert 0.0 <= found.duration / rest(low)[1] - 1.0 <= 6e-4
 
@@ -348,7 +350,6 @@ def test_limits_of_jerk_are_kept_too(jerk):
     h = found.time[1] - found.time[0]
     assert np.abs(np.diff(found.qdd, axis=0)).max() <= jerk * h * (1.0 + 1e-6)  # the mean of the jerk between rows
     assert np.abs(found.qdd[[0, -1]]).max() <= jerk * h
-    assert found.duration > found.unlimited
 
 
 def test_a_large_limit_of_jerk_costs_little():
@@ -376,7 +377,7 @@ def test_the_spline_goes_through_its_points_with_even_accelerations():
 def test_blends_leave_lines_and_join_them_with_even_accelerations(radius):
     rng = np.random.default_rng(2)
     q = rng.normal(size=(6, 3))
-    path, narrow = lines(WayPoints(None, q, np.arange(1, 7), np.zeros(6)), radius)
+    path = lines(WayPoints(None, q, np.arange(1, 7), np.zeros(6)), radius)
     inner = np.arange(len(path.breaks) - 2)
     left, right = (path.at(path.breaks[1:-1], inner + k) for k in (0, 1))
     for a, b in zip(left[:3], right[:3], strict=True):
@@ -385,7 +386,6 @@ def test_blends_leave_lines_and_join_them_with_even_accelerations(radius):
     along = np.diff(q, axis=0) / np.linalg.norm(np.diff(q, axis=0), axis=1)[:, None]
     lengths = np.linalg.norm(np.diff(q, axis=0), axis=1)
     r = np.minimum(np.minimum(lengths[:-1], lengths[1:]) / 2, radius)
-    assert narrow == np.sum(r < radius)
     assert np.abs(corner - q[1:-1] - 3 / 16 * r[:, None] * (along[1:] - along[:-1])).max() <= 1e-12
 
 
@@ -420,7 +420,7 @@ def test_positions_beyond_a_limit_are_told():
         ("slide", [[0.0], [1.0]], {"profile": "fast"}, "no profile 'fast'"),
         ("slide", [[0.0], [1.0]], {"speed": 1.5}, "speed is 150 %"),
         ("slide", [[0.0], [1.0]], {"acceleration": -1.0}, "acceleration is -1"),
-        ("slide", [[0.0], [1.0]], {"jerk": [1.0, 2.0]}, "2 numbers for 1 joint"),
+        ("slide", [[0.0], [1.0]], {"jerk": [1.0, 2.0]}, "2 values for 1 coordinate"),
         ("slide", [[0.0], [1.0]], {"blend": 0.1, "profile": "scurve"}, "does not go with scurve"),
         ("slide", [[0.0], [1.0]], {"rate": 1e9}, "rows"),
         ("slide", [[0.0], [1e300]], {}, "x is at 1e+300"),

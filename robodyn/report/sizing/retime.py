@@ -11,7 +11,7 @@ from robodyn.report import document as doc
 from robodyn.report.charts import COLOURS, plane_chart, time_chart
 from robodyn.report.table import first_names, gravity_text, number, printable
 from robodyn.sizing.along import LIMITS
-from robodyn.sizing.retime import BINDS, FINE, Retimed
+from robodyn.sizing.retime import BINDS, Retimed
 from robodyn.support.wording import count
 
 _PLOTTED, _FRAMES = 12, 400
@@ -48,12 +48,6 @@ def verdict(found: Retimed) -> doc.Verdict:
         return doc.Verdict("bad", f"No motion along this path keeps the limits: {found.reason}")
     headline = f"{found.duration or 0.0:.6g} s, {found.samples} rows, within all limits"
     reasons = []
-    if found.profile == "optimal":
-        where = f"{found.grid} intervals of the path, and {FINE} parts of each"
-        reasons.append(f"No limit is passed at the ends of {where}.")
-    if found.unlimited is not None:
-        longer = 100 * ((found.duration or 0.0) / found.unlimited - 1.0)
-        reasons.append(f"Without the limits of jerk it takes {found.unlimited:.6g} s: they cost {longer:.3g} %.")
     unlimited = [joint.name for joint in found.joints if "effort" not in joint.use and "motor torque" not in joint.use]
     if unlimited:
         reasons.append(f"Without a limit of torque: {first_names(unlimited, 8)}.")
@@ -95,16 +89,11 @@ def _stage(found: Retimed) -> doc.Block:
 
 
 def _speed_charts(found: Retimed) -> Iterator[doc.Chart]:
-    """Yield the speed along the path with what limits allow, and the place on the path over time."""
+    """Yield the speed along the path."""
     pace = np.gradient(found.row, found.time) if found.samples > 2 else np.zeros(found.samples)
-    lines = {"speed": (found.row, pace)}
-    if found.most is not None:
-        row, top = found.most
-        lines = {"largest that limits allow in passing": (row, np.minimum(top, 3.0 * pace.max())), **lines}
     alt = f"Speed along the path over its rows, {number(float(pace.max()))} rows/s at the most"
-    colours = {"speed": "c1", "largest that limits allow in passing": "bad"}
-    caption = "Speed along the path, and the largest at which any acceleration is left"
-    yield plane_chart(caption, alt, "row of the path", "rows per second", lines=lines, colours=colours)
+    lines = {"speed": (found.row, pace)}
+    yield plane_chart("Speed along the path", alt, "row of the path", "rows per second", lines=lines)
 
 
 def _binding_chart(found: Retimed) -> Iterator[doc.Chart]:
@@ -140,6 +129,5 @@ def _use_charts(found: Retimed) -> Iterator[doc.Chart]:
 
 def retime_json(found: Retimed) -> str:
     """Return the document of `retime`; docs/reference/schemas has its keys."""
-    keys = "robot:model.name profile feasible reason where duration samples grid binding joints "
-    keys += "duration_without_jerk:unlimited warnings"
+    keys = "robot:model.name profile feasible reason where duration samples binding joints warnings"
     return doc.written(doc.select(found, keys, reason=found.reason or None, where=dict(found.where) or None))
