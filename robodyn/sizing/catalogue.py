@@ -35,7 +35,7 @@ Motion = Trajectory | TrajectoryReader | str | os.PathLike[str]
 BY = ("mass", "price", "loss")
 LIMITS = ("speed", "input speed", "peak torque", "RMS torque", "gear peak", "gear mean", "inertia ratio")
 """What a motor and a gear are judged by, in the order in which one is named of several that are exceeded alike."""
-NO_GEAR = CatalogueGear("", (1.0,), None, 1.0, price=0.0)
+NO_GEAR = CatalogueGear("", (1.0,), price=0.0)
 _SWEEPS = 8
 _POSES = 2000
 """Rows of the motions whose inertia is looked at."""

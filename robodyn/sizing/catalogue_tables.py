@@ -92,9 +92,9 @@ class CatalogueGear:
     """
 
     name: Annotated[str, _NAME]
-    ratio: Annotated[tuple[float, ...], _Column("numbers", needed=False)]
-    lead: Annotated[float | None, _Column("number", {"m": 1.0, "mm": 1e-3}, needed=False, doubtful=1.0)]
-    efficiency: Annotated[float, _Column("number", {"1": 1.0, "%": 1e-2})]
+    ratio: Annotated[tuple[float, ...], _Column("numbers", needed=False)] = ()
+    lead: Annotated[float | None, _Column("number", {"m": 1.0, "mm": 1e-3}, needed=False, doubtful=1.0)] = None
+    efficiency: Annotated[float, _Column("number", {"1": 1.0, "%": 1e-2})] = 1.0
     peak_torque: Annotated[float | None, _LOAD] = None
     average_torque: Annotated[float | None, _LOAD] = None
     max_input_speed: Annotated[float | None, _Column("number", _SPEED, limit=True, doubtful=2000.0)] = None
@@ -130,41 +130,13 @@ def _fault(column: str, what: str, remedy: str) -> InputError:
 
 
 def read_motors(path: str) -> tuple[tuple[CatalogueMotor, ...], tuple[str, ...]]:
-    """Return the motors of a CSV table, and notes on it; `-` is standard input.
-
-    Raises:
-        CatalogueError: all rows at fault.
-    """
-
-    def motor(cells: dict[str, Any], units: Mapping[str, str]) -> CatalogueMotor:
-        found = CatalogueMotor(**cells | {"kind": cells.get("kind") or "rotary"})
-        _check_units(units, ("inertia", "continuous_torque", "peak_torque", "max_speed", "torque_constant"), found.kind)
-        _check_motor(found)
-        return found
-
-    return _read(path, CatalogueMotor, motor)
+    """Return the motors of a CSV table, and notes on it; `-` is standard input. CatalogueError: all rows at fault."""
+    return _read(path, CatalogueMotor, _check_motor)
 
 
 def read_gears(path: str) -> tuple[tuple[CatalogueGear, ...], tuple[str, ...]]:
-    """Return the gears of a CSV table, and notes on it; `-` is standard input.
-
-    Raises:
-        CatalogueError: all rows at fault.
-    """
-
-    def gear(cells: dict[str, Any], units: Mapping[str, str]) -> CatalogueGear:
-        found = CatalogueGear(**{"ratio": (), "lead": None} | cells)
-        average, peak = found.average_torque, found.peak_torque
-        if bool(found.ratio) == bool(found.lead):
-            raise _fault("ratio", f"and lead are both {'given' if found.lead else 'empty'}", "give one")
-        _check_units(units, ("peak_torque", "average_torque"), "linear" if found.lead else "rotary")
-        if found.efficiency > 1.0:
-            raise _fault("efficiency", f"is {found.efficiency:g}", "a share above 0 and up to 1, or efficiency [%]")
-        if average is not None and peak is not None and average > peak:
-            raise _fault("average_torque", f"is {average:g} N m, and peak_torque {peak:g}", "are they swapped?")
-        return found
-
-    return _read(path, CatalogueGear, gear)
+    """Return the gears of a CSV table, and notes on it; `-` is standard input. CatalogueError: all rows at fault."""
+    return _read(path, CatalogueGear, _check_gear)
 
 
 def _check_units(units: Mapping[str, str], names: Sequence[str], kind: str) -> None:
@@ -175,11 +147,24 @@ def _check_units(units: Mapping[str, str], names: Sequence[str], kind: str) -> N
                 raise _fault(name, f"is in {unit}, and this is {kind}", "leave the unit out, and write SI units")
 
 
-def _check_motor(motor: CatalogueMotor) -> None:
+def _check_gear(gear: CatalogueGear, units: Mapping[str, str]) -> None:
+    """Refuse a row that contradicts itself."""
+    average, peak = gear.average_torque, gear.peak_torque
+    if bool(gear.ratio) == bool(gear.lead):
+        raise _fault("ratio", f"and lead are both {'given' if gear.lead else 'empty'}", "give one")
+    _check_units(units, ("peak_torque", "average_torque"), "linear" if gear.lead else "rotary")
+    if gear.efficiency > 1.0:
+        raise _fault("efficiency", f"is {gear.efficiency:g}", "a share above 0 and up to 1, or efficiency [%]")
+    if average is not None and peak is not None and average > peak:
+        raise _fault("average_torque", f"is {average:g} N m, and peak_torque {peak:g}", "are they swapped?")
+
+
+def _check_motor(motor: CatalogueMotor, units: Mapping[str, str]) -> None:
     """Refuse a row that contradicts itself."""
     fast, continuous, peak = motor.max_speed, motor.continuous_torque, motor.peak_torque
     if motor.kind not in ("rotary", "linear"):
         raise _fault("kind", f"is {shown(motor.kind)}", "rotary or linear")
+    _check_units(units, ("inertia", "continuous_torque", "peak_torque", "max_speed", "torque_constant"), motor.kind)
     if (motor.resistance is None) != (motor.torque_constant is None):
         empty = "resistance" if motor.resistance is None else "torque_constant"
         raise _fault(empty, "is empty", "the loss R (T / k)^2 takes resistance and torque_constant, or neither")
@@ -201,9 +186,9 @@ def _check_motor(motor: CatalogueMotor) -> None:
 
 
 def _read(
-    path: str, kind: type[_Row], row: Callable[[dict[str, Any], Mapping[str, str]], _Row]
+    path: str, kind: type[_Row], check: Callable[[_Row, Mapping[str, str]], None]
 ) -> tuple[tuple[_Row, ...], tuple[str, ...]]:
-    """Return the rows of a table, and what is doubtful or not judged; `row` makes one of values and their units."""
+    """Return the rows of a table, and what is doubtful or not judged; `check` takes a row and units of columns."""
     columns = {name: hint.__metadata__[0] for name, hint in get_type_hints(kind, include_extras=True).items()}
     file = "<stdin>" if path == "-" else path
     lines = [(k, line) for k, line in enumerate(_text(path, file).split("\n"), 1) if line.strip()]
@@ -223,16 +208,18 @@ def _read(
                 wrong = f"{count(len(cells), 'cell')} where the header names {count(len(units), 'column')}"
                 raise InputError(wrong, remedy="a cell for each column; points of a curve stand between blanks")
             words = dict(zip(units, cells, strict=True))
-            values = {name: _value(name, columns[name], words[name], units[name]) for name in units}
-            name = values["name"]
+            said = [each for each in units if columns[each].needed or words[each] not in ("", UNKNOWN)]
+            values = {each: _value(each, columns[each], words[each], units[each]) for each in said}
+            name, row = values["name"], kind(**values)
             if name in found:
                 raise _fault("name", f"{shown(name)} is in line {found[name][1]} too", "a name of its own for each")
-            found[name] = row(values, units), line
-            for name, unit in units.items():
-                if not unit and isinstance(value := values[name], float) and value > columns[name].doubtful:
-                    own, other, *_ = columns[name].units
-                    doubt = f"{name} {words[name]} is taken in {own}; if it is not, name the unit in the header"
-                    notes.append(f"{file}: line {line}: {doubt}: {name} [{other}]")
+            check(row, units)
+            found[name] = row, line
+            for each in said:
+                if not units[each] and isinstance(values[each], float) and values[each] > columns[each].doubtful:
+                    own, other, *_ = columns[each].units
+                    doubt = f"{each} {words[each]} is taken in {own}; if it is not, name the unit in the header"
+                    notes.append(f"{file}: line {line}: {doubt}: {each} [{other}]")
         except (InputError, csv.Error) as error:
             remedy = "see that quotes are closed and cells short"
             fault = error if isinstance(error, InputError) else InputError(f"cannot be read: {error}", remedy=remedy)
@@ -248,8 +235,8 @@ def _read(
     rows = tuple(each for each, _ in found.values())
     judged = [name for name, known in columns.items() if known.limit and name != "max_speed"]
     silent = {name: [each.name for each in rows if getattr(each, name) is None] for name in judged}
-    if said := "; ".join(f"{name} of {listed(own)}" for name, own in silent.items() if own):
-        notes.append(f"{file}: not known, and not judged: {said}")
+    if unjudged := "; ".join(f"{name} of {listed(own)}" for name, own in silent.items() if own):
+        notes.append(f"{file}: not known, and not judged: {unjudged}")
     return rows, tuple(notes)
 
 
@@ -283,20 +270,18 @@ def _header(cells: Sequence[str], columns: dict[str, _Column]) -> dict[str, str]
             raise _fault(name, f"unknown unit {shown(unit)}", f"units: {listed(known.units) or 'none'}{of_curves}")
         units[name] = unit or ""
     missing = [name for name, known in columns.items() if known.needed and name not in units]
-    if "lead" in columns and not {"ratio", "lead"} & units.keys():
-        missing.append("ratio")
     if missing:
         raise InputError(f"no column {listed(missing)}", remedy="add it; robodyn size --init writes a whole table")
     return units
 
 
 def _value(name: str, known: _Column, cell: str, unit: str) -> Any:
-    """Return what a cell says in SI, None or () if nothing."""
+    """Return what a cell says in SI, None of a limit that is not known."""
+    if cell == UNKNOWN and known.limit:
+        return None
     if cell in ("", UNKNOWN):
-        if known.needed and not (cell and known.limit):
-            unsaid = ", or - if it is not known, which then is not judged" if known.limit else ""
-            raise _fault(name, "is not known" if cell else "is empty", f"write it{unsaid}")
-        return () if known.cells == "numbers" else None
+        unsaid = ", or - if it is not known, which then is not judged" if known.limit else ""
+        raise _fault(name, "is not known" if cell else "is empty", f"write it{unsaid}")
     if known.cells == "text":
         return cell
     if known.cells == "numbers":
