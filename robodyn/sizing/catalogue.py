@@ -18,7 +18,7 @@ import numpy as np
 from robodyn.dynamics.effects.motors import rotor_of
 from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
 from robodyn.errors import InputError, SceneError, printable
-from robodyn.loads.sizing import LEAST, allowed, points
+from robodyn.loads.sizing import LEAST, PIECE, allowed, points
 from robodyn.robot.limits import binding
 from robodyn.robot.model import Joint, Model
 from robodyn.scene.fit import check_scene, known, refuse_constraints
@@ -37,8 +37,6 @@ LIMITS = ("speed", "input speed", "peak torque", "RMS torque", "gear peak", "gea
 """What a motor and a gear are judged by, in the order in which one is named of several that are exceeded alike."""
 NO_GEAR = CatalogueGear("", (1.0,), price=0.0)
 _SWEEPS = 8
-_POSES = 2000
-"""Rows of the motions whose inertia is looked at."""
 
 
 class Choice(NamedTuple):
@@ -372,9 +370,8 @@ def _course(model: Model, scene: Scene, motions: Sequence[Trajectory], joint: Jo
             remedy = "are masses, lengths, times and the motion in SI units?"
             raise InputError(f"the torque of {shown(joint.name)} overflows", remedy=remedy)
         parts.append((each.time, tau, each.qd[:, k], each.qdd[:, k]))
-    poses = np.concatenate([each.q for each in motions])
-    inertia = mass_matrix(model, poses[:: -(-len(poses) // _POSES)], scene=scene)[:, k, k].max()
-    return Course(parts), float(inertia)
+    pieces = (each.q[at : at + PIECE] for each in motions for at in range(0, len(each), PIECE))
+    return Course(parts), max(float(mass_matrix(model, q, scene=scene)[:, k, k].max()) for q in pieces)
 
 
 def _pairs(
