@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import os
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
@@ -18,12 +18,12 @@ import numpy as np
 from robodyn.dynamics.effects.motors import rotor_of
 from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
 from robodyn.errors import InputError, SceneError, printable
-from robodyn.loads.sizing import LEAST, allowed, points
+from robodyn.loads.sizing import LEAST, PIECE, allowed, points
 from robodyn.robot.limits import binding
 from robodyn.robot.model import Joint, Model
 from robodyn.scene.fit import check_scene, known, refuse_constraints
 from robodyn.scene.scene import DEFAULT, Curve, Motor, Payload, Rotor, Scene
-from robodyn.sizing.catalogue_tables import CatalogueError, CatalogueGear, CatalogueMotor, read_gears, read_motors
+from robodyn.sizing.catalogue_tables import CatalogueGear, CatalogueMotor, read_gears, read_motors
 from robodyn.support.floats import BEYOND, LARGEST, Floats, steady
 from robodyn.support.input_file import beyond, limits
 from robodyn.support.wording import figure, listed, shown, toml_key, toml_string
@@ -35,10 +35,8 @@ Motion = Trajectory | TrajectoryReader | str | os.PathLike[str]
 BY = ("mass", "price", "loss")
 LIMITS = ("speed", "input speed", "peak torque", "RMS torque", "gear peak", "gear mean", "inertia ratio")
 """What a motor and a gear are judged by, in the order in which one is named of several that are exceeded alike."""
-NO_GEAR = CatalogueGear("", (1.0,), None, 1.0, price=0.0)
+NO_GEAR = CatalogueGear("", (1.0,), price=0.0)
 _SWEEPS = 8
-_POSES = 2000
-"""Rows of the motions whose inertia is looked at."""
 
 
 class Choice(NamedTuple):
@@ -197,20 +195,17 @@ def judged(
     torque = np.abs(G * J * course.qdd + load / G)
     squares, speed = course.means(torque * torque), G * course.max_speed
     inertia_ratio = inertia / (G * G * J) if J else None
-    uses: dict[str, float | None] = dict.fromkeys(LIMITS)
-    for name, value, limit in (
-        ("speed", speed, motor.speed_limit),
-        ("input speed", speed, gear.max_input_speed),
-        ("gear peak", course.peak, gear.peak_torque),
-        ("gear mean", course.cubic_mean, gear.average_torque),
-        ("inertia ratio", inertia_ratio, most_ratio),
-    ):
-        uses[name] = value / limit if value is not None and limit else None
-    if motor.continuous_torque is not None:
-        uses["RMS torque"] = _use(np.sqrt(squares), motor.continuous_torque, G * course.mean_speeds)
-    if motor.peak_torque is not None and (uses["speed"] or 0.0) <= BEYOND:  # at speeds that it has
-        uses["peak torque"] = _use(torque, motor.peak_torque, G * course.speed)
-    most = [-1.0 if use is None else use for use in uses.values()]
+    fast = motor.speed_limit is not None and speed > BEYOND * motor.speed_limit  # than any of the peak curve
+    uses = (
+        _use(speed, motor.speed_limit),
+        _use(speed, gear.max_input_speed),
+        None if fast else _use(torque, motor.peak_torque, G * course.speed),
+        _use(np.sqrt(squares), motor.continuous_torque, G * course.mean_speeds),
+        _use(course.peak, gear.peak_torque),
+        _use(course.cubic_mean, gear.average_torque),
+        None if inertia_ratio is None else _use(inertia_ratio, most_ratio),
+    )
+    most = [-1.0 if use is None else use for use in uses]
     at = int(steady(most).argmax())
     loss = None
     if motor.resistance and motor.torque_constant:
@@ -219,7 +214,7 @@ def judged(
         motor,
         gear,
         ratio,
-        {name: None if use is None else 1.0 - use for name, use in uses.items()},
+        {name: None if use is None else 1.0 - use for name, use in zip(LIMITS, uses, strict=True)},
         LIMITS[at] if most[at] >= 0.0 else "",
         max(most) <= BEYOND,
         inertia_ratio,
@@ -229,9 +224,12 @@ def judged(
     )
 
 
-def _use(torque: Floats, curve: float | Curve, speed: Floats) -> float:
-    least = LEAST * max(y for _, y in points(curve))
-    return float((torque / np.maximum(allowed(curve, speed), least)).max())
+def _use(value: Floats | float, limit: float | Curve | None, speed: Floats | float = 0.0) -> float | None:
+    """Return the largest share of a limit, at these speeds; None without one."""
+    if limit is None:
+        return None
+    least = LEAST * max(y for _, y in points(limit))
+    return float(np.max(value / np.maximum(allowed(limit, speed), least)))
 
 
 def size(
@@ -280,37 +278,39 @@ def size(
     sized = [joint for name, joint in movable.items() if not joints or name in joints]
     if not sized:
         raise InputError("no joint moves", remedy="describe the robot with joints")
-    table, of_gears, notes = _catalogues(motors, gears, [*movable], by)
+    notes: list[str] = []
+    if isinstance(motors, (str, os.PathLike)):
+        motors, said = read_motors(os.fspath(motors))
+        notes += said
+    if isinstance(gears, (str, os.PathLike)):
+        gears, said = read_gears(os.fspath(gears))
+        notes += said
+    notes += _ranks(motors, gears or (), by)
     given = [motions] if isinstance(motions, (str, os.PathLike, Trajectory, TrajectoryReader)) else list(motions)
     whole = [_whole(model, scene, each, notes) for each in given]
     if not whole:
         raise InputError("there is no motion", remedy="give one or more")
     still = {joint.name: Rotor(0.0, 1.0) for joint in sized}
     bare = replace(scene, rotor={**scene.rotor, **still}, motor={})  # without the rotors of these joints
-    places = {body.joint.name: k for k, body in enumerate(model.bodies)}
-    found: dict[str, tuple[tuple[Payload, ...], JointChoices]] = {}
+    order = [k for k, body in reversed([*enumerate(model.bodies)]) if body.joint in sized]
+    found: dict[str, JointChoices] = {}
     masses: dict[str, Payload] = {}
     sweeps, changed = 0, True
     while changed and sweeps < _SWEEPS:
-        sweeps, changed = sweeps + 1, False
-        for joint in sorted(sized, key=lambda joint: -places[joint.name]):
-            moved = _moved(model, joint)
-            payloads = tuple(load for load in masses.values() if load.link in moved)
-            if joint.name in found and found[joint.name][0] == payloads:
-                continue
-            changed = True
-            course, inertia = _course(model, bare.changed(payloads=payloads), whole, joint)
-            pairs = _pairs(joint, scene, table, of_gears)
+        before, sweeps = dict(masses), sweeps + 1
+        for k in order:
+            joint = model.bodies[k].joint
+            course, inertia = _course(model, bare.changed(payloads=tuple(masses.values())), whole, joint)
+            pairs = _pairs(joint, scene, motors, gears)
             choices = [judged(course, inertia, *pair, inertia_ratio) for pair in pairs]
-            found[joint.name] = payloads, _ranked(joint, course, choices, by)
-            first = next(iter(found[joint.name][1].choices), None)
-            if first and first.mass and not masses_included:
-                x, y, z = joint.p.tolist()
-                before = model.bodies[model.bodies[places[joint.name]].parent].name
-                masses[joint.name] = Payload(before, first.mass, (x, y, z))
-            else:
-                masses.pop(joint.name, None)
-    results = tuple(found[joint.name][1] for joint in sized)
+            found[joint.name] = _ranked(joint, course, choices, by)
+            masses.pop(joint.name, None)
+            for first in found[joint.name].choices[:1]:
+                if first.mass and not masses_included:
+                    link = model.bodies[model.bodies[k].parent].name
+                    masses[joint.name] = Payload(link, first.mass, tuple(joint.p.tolist()))
+        changed = masses != before
+    results = tuple(found[joint.name] for joint in sized)
     notes += [note for each, joint in zip(results, sized, strict=True) for note in _said(each, joint)]
     if changed:
         notes.append(f"choices still change after {sweeps} sweeps: joints that mimic others carry motors")
@@ -324,34 +324,18 @@ def size(
     return Catalogue(model.name, by, results, sweeps, not changed, tuple(notes), after, added)
 
 
-def _catalogues(
-    motors: Any, gears: Any, names: Sequence[str], by: str
-) -> tuple[Sequence[CatalogueMotor], Sequence[CatalogueGear] | None, list[str]]:
-    """Return the rows of both catalogues, and notes on them; raise CatalogueError with the faults of both."""
-    faults: list[InputError] = []
-    notes: list[str] = []
-    rows: list[Any] = [motors, gears]
-    for k, source in enumerate(rows):
-        if isinstance(source, (str, os.PathLike)):
-            try:
-                rows[k], said = read_gears(os.fspath(source)) if k else read_motors(os.fspath(source), names)
-                notes += said
-            except CatalogueError as error:
-                faults += error.faults
-    if faults:
-        raise CatalogueError(faults)
-    motors, gears = rows
-    pairs = len(motors) * (1 if gears is None else sum(len(gear.ratios) for gear in gears))
+def _ranks(motors: Sequence[CatalogueMotor], gears: Sequence[CatalogueGear], by: str) -> list[str]:
+    """Refuse too many pairs, and ranks by what nothing has; return what is ranked last."""
+    pairs = len(motors) * max(1, sum(len(gear.ratios) for gear in gears))
     if pairs > limits().catalogue_pairs:
         raise beyond("catalogue_pairs", f"{pairs} motors with gears in a ratio", InputError)
     column = "resistance" if by == "loss" else by
-    silent = [row.name for row in (*motors, *(gears or ())) if getattr(row, column, 0.0) is None]
-    if len(silent) == len(motors) + (len(gears or ()) if by == "price" else 0):
+    rows: list[CatalogueMotor | CatalogueGear] = [*motors, *gears]
+    silent = [row.name for row in rows if getattr(row, column, 0.0) is None]
+    if len(silent) == len(motors) + (len(gears) if by == "price" else 0):
         columns = "resistance and torque_constant" if by == "loss" else by
         raise InputError(f"nothing in the catalogue has a {by}", remedy=f"fill in {columns}, or rank by mass")
-    if silent:
-        notes.append(f"the {by} of {listed(silent)} is not known: ranked last")
-    return motors, gears, notes
+    return [f"the {by} of {listed(silent)} is not known: ranked last"] if silent else []
 
 
 def _whole(model: Model, scene: Scene, motion: Motion, notes: list[str]) -> Trajectory:
@@ -376,15 +360,6 @@ def _whole(model: Model, scene: Scene, motion: Motion, notes: list[str]) -> Traj
     return whole
 
 
-def _moved(model: Model, joint: Joint) -> set[str]:
-    """The bodies that a joint moves, itself or by joints that mimic it."""
-    moved: set[int] = set()
-    for k, body in enumerate(model.bodies):
-        if body.parent in moved or (body.joint.kind != "fixed" and body.joint.rate == joint.rate):
-            moved.add(k)
-    return {model.bodies[k].name for k in moved}
-
-
 def _course(model: Model, scene: Scene, motions: Sequence[Trajectory], joint: Joint) -> tuple[Course, float]:
     """Return the load of a joint in this scene, and its largest inertia along the motions [kg m^2 or kg]."""
     k, parts = joint.rate, []
@@ -395,9 +370,8 @@ def _course(model: Model, scene: Scene, motions: Sequence[Trajectory], joint: Jo
             remedy = "are masses, lengths, times and the motion in SI units?"
             raise InputError(f"the torque of {shown(joint.name)} overflows", remedy=remedy)
         parts.append((each.time, tau, each.qd[:, k], each.qdd[:, k]))
-    poses = np.concatenate([each.q for each in motions])
-    inertia = mass_matrix(model, poses[:: -(-len(poses) // _POSES)], scene=scene)[:, k, k].max()
-    return Course(parts), float(inertia)
+    pieces = (each.q[at : at + PIECE] for each in motions for at in range(0, len(each), PIECE))
+    return Course(parts), max(float(mass_matrix(model, q, scene=scene)[:, k, k].max()) for q in pieces)
 
 
 def _pairs(
@@ -414,8 +388,7 @@ def _pairs(
         own = CatalogueGear("", (ratio,), None, drive.efficiency, drive.gear_peak, drive.gear_average, price=0.0)
         geared = joint.reduction != 1.0 or (rotor is not None and rotor.gear is not None)
         fit = {"rotary" if geared or not slide else "linear": [(own, ratio)] if ratio else []}
-    some = [motor for motor in motors if not motor.joints or joint.name in motor.joints]
-    return [(motor, *pair) for motor in some for pair in fit.get(motor.kind, ())]
+    return [(motor, *pair) for motor in motors for pair in fit.get(motor.kind, ())]
 
 
 def _ranked(joint: Joint, course: Course, choices: Sequence[Choice], by: str) -> JointChoices:
@@ -427,18 +400,16 @@ def _ranked(joint: Joint, course: Course, choices: Sequence[Choice], by: str) ->
     return JointChoices(joint.name, unit, tuple(choices[k] for k in order), dict(failed.most_common()), course)
 
 
-def _said(found: JointChoices, joint: Joint) -> list[str]:
-    """Return what the choice rests on."""
-    lines, limit, best, course = [], binding(joint.effort), found.best, found.course
-    torque = course.load + (best.ratio**2 * best.inertia * course.qdd if best else 0.0)
-    most = max(course.peak, float(np.abs(torque).max()))
+def _said(found: JointChoices, joint: Joint) -> Iterator[str]:
+    """Yield what the choice rests on."""
+    limit, best, course = binding(joint.effort), found.best, found.course
+    most = float(np.abs(course.load + (best.ratio**2 * best.inertia * course.qdd if best else 0.0)).max())
     if limit is not None and most > BEYOND * limit:
-        lines.append(f"{found.name} takes {figure(most)} {found.unit}, above its effort limit of {limit:g}")
+        yield f"{found.name} takes {figure(most)} {found.unit}, above its effort limit of {limit:g}"
     if not found.choices:
-        lines.append(f"{found.name}: the catalogue has no motor and gear that fit this joint")
+        yield f"{found.name}: the catalogue has no motor and gear that fit this joint"
     elif not best:
-        lines.append(f"{found.name}: joints before it are judged with the mass of the nearest miss")
-    return lines
+        yield f"{found.name}: joints before it are judged with the mass of the nearest miss"
 
 
 def _motor(best: Choice) -> Motor:

@@ -326,6 +326,20 @@ def test_a_limit_on_the_inertia_ratio():
         assert each.inertia_ratio <= 5.0 * (1 + 1e-9) or not each.feasible
 
 
+def test_the_largest_inertia_may_last_for_one_sample():
+    a_model, time, rows = robot("scara"), np.linspace(0.0, 5.0, 5001), np.zeros((5001, 3))
+    q = rows + np.array([0.0, 2.0, 0.0])
+    q[4001, 1] = 0.0
+    drives = drawn(a_model, 5, 5)
+    folded, once, straight = (
+        robodyn.size(a_model, robodyn.motion(a_model, time, each, rows, rows), *drives, masses_included=True)
+        for each in (rows + q[0], q, rows)
+    )
+    first = [max(each.inertia_ratio for each in found.joints[0].choices) for found in (folded, once, straight)]
+    assert first[0] < 0.9 * first[1]
+    assert first[1] == pytest.approx(first[2])
+
+
 def test_several_motions_count_at_their_worst():
     """Peaks of all, RMS of the worst: not of all together."""
     a_model = robot("puma")

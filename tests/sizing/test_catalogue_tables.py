@@ -25,7 +25,7 @@ PUMA = str(ROBOTS / "puma560.urdf"), str(ROBOTS / "puma560_sweep.csv")
 
 def motors(folder, *lines, header=MOTORS):
     (folder / "motors.csv").write_text("\n".join([header, *lines]) + "\n")
-    return read_motors(str(folder / "motors.csv"), ["waist", "elbow"])
+    return read_motors(str(folder / "motors.csv"))
 
 
 def gears(folder, *lines, header=GEARS):
@@ -35,23 +35,28 @@ def gears(folder, *lines, header=GEARS):
 
 FAULTY_MOTORS = {
     "b,1e-5,4,3,300,2": ("continuous_torque", "allows 4 at 0 rad/s, and peak_torque 3"),
-    "b,1e-5,0:1 300:1,0:3 200:0.5 300:0.2,300,2": ("continuous_torque", "allows 1 at 300 rad/s, and peak_torque 0.2"),
-    "b,1e-5,1,3,300,-2": ("mass", "is -2 (it is positive or zero)"),
+    "b,1e-5,0:1 300:1,0:3 200:0.5 300:0.2,300,2": ("continuous_torque", "allows 1 at 200 rad/s, and peak_torque 0.5"),
+    "b,1e-5,0:1 300:1,0:3 150:0.5 300:3,300,2": ("continuous_torque", "allows 1 at 150 rad/s, and peak_torque 0.5"),
+    "b,1e-5,1,3,300,-2": ("mass", "is -2 (it is 0 or between 1e-15 and 1e+15)"),
     "b,-1e-5,1,3,300,2": ("inertia", "is -1e-5"),
-    "b,1e-5,1,0,300,2": ("peak_torque", "is 0 (it is positive)"),
+    "b,1e-5,1,0,300,2": ("peak_torque", "is 0 (it is between 1e-15 and 1e+15)"),
     "b,1e-5,1,nan,300,2": ("peak_torque", "'nan' is not a number"),
-    "b,1e-5,1,1e400,300,2": ("peak_torque", "'1e400' is not a number"),
+    "b,1e-5,1,1e400,300,2": ("peak_torque", "is 1e400"),
+    "b,1e-5,1,3,1e-300,2": ("max_speed", "is 1e-300"),
     "b,1e-5,1,3 N m,300,2": ("peak_torque", "'3 N m' is not a number"),
     "b,1_0,1,3,300,2": ("inertia", "'1_0' is not a number"),
-    'b,1e-5,1,"3,5",300,2': ("peak_torque", "'3,5' is not a number (write decimals with a point)"),
+    'b,1e-5,1,"3,5",300,2': ("peak_torque", "'3,5' is not a number (write it as 1.5e-3, decimals with a point)"),
     "b,1e-5,1,,300,2": ("peak_torque", "is empty (write it, or - if it is not known, which then is not judged)"),
     "b,-,1,3,300,2": ("inertia", "is not known (write it)"),
     "b,1e-5,1,3,-,2": ("max_speed", "is not known (write it, or peak_torque as a curve that ends there)"),
     "b,1e-5,1,0:3 200:2,300,2": ("peak_torque", "the curve ends at 200 rad/s, max_speed is 300 rad/s"),
-    "b,1e-5,1,0:3 3000:2,300,2": ("peak_torque", "the curve ends at 3000 rad/s, max_speed is 300 rad/s (name the unit"),
-    "b,1e-5,1,0:3 0:2,300,2": ("peak_torque", "the speeds of '0:3 0:2' do not increase"),
-    "b,1e-5,1,0:3:4,300,2": ("peak_torque", "'0:3:4' is no point of a curve (points are speed:torque"),
-    "b,1e-5,1,0:0 300:0,300,2": ("peak_torque", "the torques of '0:0 300:0' are all 0"),
+    "b,1e-5,1,0:3 3000:2,300,2": (
+        "peak_torque",
+        "the curve ends at 3000 rad/s, max_speed is 300 rad/s (write it to",
+    ),
+    "b,1e-5,1,0:3 0:2,300,2": ("peak_torque", "'0:3 0:2' is no curve"),
+    "b,1e-5,1,0:3:4,300,2": ("peak_torque", "'0:3:4' is no curve (points speed:torque"),
+    "b,1e-5,1,0:0 300:0,300,2": ("peak_torque", "'0:0 300:0' is no curve"),
     "b,1e-5,1,0:-3 300:1,300,2": ("peak_torque", "is -3"),
     "a,1e-5,1,3,300,2": ("name", "'a' is in line 2 too"),
     ",1e-5,1,3,300,2": ("name", "is empty"),
@@ -62,7 +67,7 @@ FAULTY_GEARS = {
     "b,50,0.01,0.8,10,5,600,0,1": ("ratio", "and lead are both given"),
     "b,-,-,0.8,10,5,600,0,1": ("ratio", "and lead are both empty"),
     "b,50 0,-,0.8,10,5,600,0,1": ("ratio", "is 0"),
-    "b,50 50,-,0.8,10,5,600,0,1": ("ratio", "'50 50' has a number twice"),
+    "b,1e-300,-,0.8,10,5,600,0,1": ("ratio", "is 1e-300"),
     "b,50 x,-,0.8,10,5,600,0,1": ("ratio", "'x' is not a number"),
 }
 
@@ -103,19 +108,15 @@ def test_faulty_headers(header, tmp_path):
     assert f"motors.csv:1: {HEADERS[header]}" in str(error.value.faults[0])
 
 
-def test_all_faults_of_both_tables_are_told(tmp_path):
+def test_every_row_at_fault_is_told(tmp_path):
     (tmp_path / "m.csv").write_text(f"{MOTORS}\na,1e-5,1,3,300\nb,x,1,3,300,y\n" + 'c,"1,1,1,3,2\n')
-    (tmp_path / "g.csv").write_text(f"{GEARS}\ng,50,-,1.2,10,50,600,0,1\n")
-    outcome = run("size", *PUMA, "--catalog", str(tmp_path / "m.csv"), "--gears", str(tmp_path / "g.csv"))
+    outcome = run("size", *PUMA, "--catalog", str(tmp_path / "m.csv"))
     assert (outcome.status, outcome.out) == (2, "")
     lines = [line.partition(f"error: {tmp_path}/")[2] for line in outcome.err.splitlines()]
     assert [line[:40] for line in lines] == [
         "m.csv:2: 5 cells where the header names ",
         "m.csv:3: column 'inertia': 'x' is not a ",
-        "m.csv:3: column 'mass': 'y' is not a num",
         "m.csv:4: cannot be read: unexpected end ",
-        "g.csv:2: column 'efficiency': is 1.2 (a ",
-        "g.csv:2: column 'average_torque': is 50 ",
     ]
     assert all(line.endswith(")") for line in lines)  # with a remedy
 
@@ -147,16 +148,28 @@ def test_doubtful_units_and_what_is_not_judged_are_told(tmp_path):
     assert notes == (
         f"{place}line 2: max_speed 3000 is taken in rad/s; if it is not, name the unit in the header: max_speed [rpm]",
         f"{place}line 3: inertia 50 is taken in kg m^2; if it is not, name the unit in the header: inertia [kg cm^2]",
-        f"{place}continuous_torque of 'b', 'c' not known, and not judged",
+        f"{place}not known, and not judged: continuous_torque of 'b', 'c'",
     )
     assert motors(tmp_path, "a,1e-5,1,3,3000,2", header=MOTORS.replace("max_speed", "max_speed [rad/s]"))[1] == ()
 
 
-def test_joints_of_another_robot(tmp_path):
-    with pytest.raises(
-        CatalogueError, match=r"motors.csv:2: column 'joints': there is no joint 'elbw' \(did you mean 'el"
-    ):
-        motors(tmp_path, f"{GOOD},waist elbw", header=f"{MOTORS},joints")
+@pytest.mark.parametrize(
+    ("column", "unit", "kind"),
+    [("inertia", "kg", "rotary"), ("peak_torque", "rpm:N", "rotary"), ("max_speed", "rpm", "linear")],
+)
+def test_units_of_the_other_kind(column, unit, kind, tmp_path):
+    """A motor that turns in kg or N, and one that pushes in rpm, would be off without a word."""
+    header = f"{MOTORS},kind".replace(column, f"{column} [{unit}]")
+    with pytest.raises(CatalogueError, match=f"csv:2: column '{column}': is in .*, and this is {kind} "):
+        motors(tmp_path, f"{GOOD},{kind}", header=header)
+    with pytest.raises(CatalogueError, match="column 'peak_torque': is in N, and this is rotary "):
+        gears(tmp_path, "g,5,-,1,1,1,1,1,1", header=GEARS.replace("peak_torque", "peak_torque [N]"))
+
+
+def test_a_curve_may_end_where_rounding_puts_it(tmp_path):
+    header = MOTORS.replace("peak_torque", "peak_torque [rpm:N m]")
+    (motor,), _ = motors(tmp_path, "a,1e-5,1,0:3 6000:2,629,2", header=header)
+    assert motor.peak_torque[-1][0] < motor.max_speed == 629
 
 
 @pytest.mark.parametrize(
@@ -165,27 +178,22 @@ def test_joints_of_another_robot(tmp_path):
 def test_no_table(data, tmp_path):
     (tmp_path / "motors.csv").write_bytes(data)
     with pytest.raises(InputError):
-        read_motors(str(tmp_path / "motors.csv"), ())
+        read_motors(str(tmp_path / "motors.csv"))
 
 
 def test_large_catalogues_are_refused(tmp_path, monkeypatch):
     (tmp_path / "motors.csv").write_text(MOTORS_TEMPLATE)
     monkeypatch.setenv("ROBODYN_LIMITS", "catalogue_bytes=100")
     with pytest.raises(InputError, match="too many bytes, at most 100 are read"):
-        read_motors(str(tmp_path / "motors.csv"), ())
+        read_motors(str(tmp_path / "motors.csv"))
     monkeypatch.setenv("ROBODYN_LIMITS", "catalogue_pairs=100")
     files = "--catalog", str(ROBOTS / "catalogue" / "motors.csv"), "--gears", str(ROBOTS / "catalogue" / "gears.csv")
     assert "motors with gears in a ratio, at most 100 are read" in run("size", *PUMA, *files).err
 
 
-@pytest.mark.parametrize(
-    ("header", "row"),
-    [("x," * 1_000_000, ""), (GEARS, f"a,{'x ' * 60_000},-,1,1,1,1,1,1"), (GEARS, "\n".join(["a"] * 1_000_000))],
-)
-def test_faults_beyond_a_hundred_are_not_read(header, row, tmp_path):
-    with pytest.raises(CatalogueError, match="and 100 more faults") as error:
-        gears(tmp_path, row, header=header)
-    assert error.value.faults[-1].what == "the rest is not read"
+def test_faults_beyond_a_hundred_are_not_read(tmp_path):
+    with pytest.raises(CatalogueError, match="and 99 more faults"):
+        gears(tmp_path, *["a"] * 1_000_000)
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -194,7 +202,7 @@ def test_changed_bytes_are_faults_or_rows(seed, tmp_path):
     rng, path = random.Random(seed), tmp_path / "table.csv"
     for _ in range(100):
         text, read = rng.choice(
-            [(MOTORS_TEMPLATE, lambda: read_motors(str(path), ())), (GEARS_TEMPLATE, lambda: read_gears(str(path)))]
+            [(MOTORS_TEMPLATE, lambda: read_motors(str(path))), (GEARS_TEMPLATE, lambda: read_gears(str(path)))]
         )
         data = bytearray(text.encode())
         for _ in range(rng.randrange(1, 4)):
@@ -213,7 +221,7 @@ def test_changed_bytes_are_faults_or_rows(seed, tmp_path):
         assert faults or len(found) == rows
 
 
-def test_templates_run_and_are_those_of_robots(tmp_path):
+def test_templates_run_and_are_part_of_those_of_robots(tmp_path):
     files = str(tmp_path / "m.csv"), str(tmp_path / "g.csv")
     for robot, motion in (PUMA, (str(ROBOTS / "scara.urdf"), str(ROBOTS / "scara_pick_and_place.csv"))):
         assert "Every joint has a motor that suffices" in shown(
@@ -221,19 +229,21 @@ def test_templates_run_and_are_those_of_robots(tmp_path):
         )
     for path, name in zip(files, ("motors.csv", "gears.csv"), strict=True):
         with open(path, encoding="utf-8") as stream:
-            assert stream.read() == (ROBOTS / "catalogue" / name).read_text()
+            assert set(stream) <= set((ROBOTS / "catalogue" / name).read_text().splitlines(keepends=True))
     again = run("size", *PUMA, "--catalog", files[0], "--init")
     assert again.status == 2
     assert "--init writes a new file, and this one is there already" in again.err
 
 
 def test_nothing_suffices(tmp_path):
-    (tmp_path / "motors.csv").write_text(f"{MOTORS},joints\nsmall,1e-6,0.001,0.002,300,0.1,waist\n")
+    (tmp_path / "motors.csv").write_text(f"{MOTORS}\nsmall,1e-6,0.001,0.002,300,0.1\n")
     outcome = run("size", *PUMA, "--catalog", str(tmp_path / "motors.csv"), "--scene-out", str(tmp_path / "none.toml"))
     assert outcome.status == 1
     assert "Nothing in the catalogue suffices for waist, shoulder, elbow" in outcome.out
-    assert "shoulder: the catalogue has no motor and gear that fit this joint" in outcome.out
     assert "small, ratio 1" in outcome.out
+    scara = str(ROBOTS / "scara.urdf"), str(ROBOTS / "scara_pick_and_place.csv")
+    outcome = run("size", *scara, "--catalog", str(tmp_path / "motors.csv"))
+    assert "quill: the catalogue has no motor and gear that fit this joint" in outcome.out
 
 
 def test_json(tmp_path):

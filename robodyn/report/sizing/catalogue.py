@@ -38,8 +38,10 @@ def size_sections(found: Catalogue) -> Iterator[doc.Section]:
     yield [doc.Table(title, *filled(head, rows))] if rows else []
     rows = []
     for joint in found.joints:
-        fails = ", ".join(f"{amount} by {name}" for name, amount in joint.ruled_out.items())
-        rows.append([joint.name, f"{joint.feasible} of {len(joint.choices)}", fails or "-", _miss(joint)])
+        fails, nearest = ", ".join(f"{amount} by {name}" for name, amount in joint.ruled_out.items()), "-"
+        if miss := joint.nearest:
+            nearest = f"{_named(miss)}: {-100.0 * (miss.margins[miss.binding] or 0.0):.3g} % over its {miss.binding}"
+        rows.append([joint.name, f"{joint.feasible} of {len(joint.choices)}", fails or "-", nearest])
     yield [doc.Table("What rules out the others", ("joint", "suffice", "fail most", "nearest miss"), rows)]
     yield doc.remarks("note", found.notes)
     said = verdict(found)
@@ -51,14 +53,6 @@ def _row(each: Choice) -> list[str]:
     known = ("" if x is None else number(x, 1.0) for x in (each.price, each.loss))
     row = [each.motor.name, each.gear.name or "-", f"{each.ratio:.6g}", f"{each.mass:.4g}", *known, *shares]
     return [*row, "" if each.inertia_ratio is None else f"{each.inertia_ratio:.3g}"]
-
-
-def _miss(joint: JointChoices) -> str:
-    miss = joint.nearest
-    if miss is None:
-        return "-"
-    excess = -100.0 * (miss.margins[miss.binding] or 0.0)
-    return f"{_named(miss)}: {excess:.3g} % over its {miss.binding}"
 
 
 def _named(each: Choice) -> str:
@@ -96,32 +90,25 @@ def _plane(joint: JointChoices) -> doc.Chart:
     course, best = joint.course, joint.choices[0]
     rows = slice(None, None, -(-len(course.load) // _POINTS))
     at_motor = np.abs(best.ratio**2 * best.inertia * course.qdd + course.geared(best.gear.efficiency)[0])[rows]
-    pace, load = course.speed[rows], np.abs(course.load[rows])
-    first = "best" if joint.best else "nearest miss"
-    dots: dict[str, Any] = {"load": (pace, load), f"with the rotor of the {first}": (pace, at_motor)}
-    colours = dict(zip(dots, ("soft", "ink"), strict=True))
-    names: dict[str, list[str]] = {}
+    pace, first = course.speed[rows], "best" if joint.best else "nearest miss"
+    with_rotor = f"with the rotor of the {first}"
+    dots: dict[str, Any] = {"load": (pace, np.abs(course.load[rows])), with_rotor: (pace, at_motor)}
+    colours, lines, names = {"load": "soft", with_rotor: "ink"}, dict[str, Any](), dict[str, list[str]]()
     reach, top = 3.0 * course.max_speed, 3.0 * max(course.peak, float(at_motor.max()))
-    lines: dict[str, Any] = {}
-    others = joint.choices[1 : joint.feasible][:_CURVES], joint.choices[max(joint.feasible, 1) :][:_CURVES]
+    others = joint.choices[1 : joint.feasible], joint.choices[max(joint.feasible, 1) :]
     for label, some, colour in (("others that suffice", others[0], "good"), ("do not suffice", others[1], "bad")):
-        curves = [(_named(each), _curve(each, each.motor.peak_torque, reach, top)) for each in some]
+        curves = [(_named(each), _curve(each, each.motor.peak_torque, reach, top)) for each in some[:_CURVES]]
+        curves = [(name, curve) for name, curve in curves if np.isfinite(curve[1]).any()]
         if curves:
-            gap = np.full((2, 1), np.nan)
+            gap, ends = np.full((2, 1), np.nan), f"names of: {label}"
             lines[label] = tuple(np.hstack([part for _, curve in curves for part in (curve, gap)]))
-            seen = [
-                (name, *curve[:, np.isfinite(curve[1])].T[-1]) for name, curve in curves if np.isfinite(curve[1]).any()
-            ]
-            ends = f"names of {label}" if label == "others that suffice" else "names of those that do not"
-            names[ends], dots[ends] = (
-                [name for name, _, _ in seen],
-                tuple(np.array([x[1:] for x in seen]).reshape(-1, 2).T),
-            )
+            names[ends] = [name for name, _ in curves]
+            dots[ends] = tuple(np.transpose([curve[:, np.isfinite(curve[1])][:, -1] for _, curve in curves]))
             colours |= {label: colour, ends: colour}
-    for name in ("peak", "continuous"):
+    for name, colour in (("peak", "c1"), ("continuous", "c2")):
         label = f"{name} of {_named(best)}"
         lines[label] = tuple(_curve(best, getattr(best.motor, f"{name}_torque"), reach, np.inf))
-        colours[label] = "c1" if name == "peak" else "c2"
+        colours[label] = colour
     words = f"{joint.name}: {_named(best)}" if joint.best else f"{joint.name}: nothing suffices"
     alt = f"Torque over speed at {joint.name} and curves of motors times the ratio; {joint.feasible} suffice"
     axes = f"speed [{speed_unit(joint.unit)}]", f"torque [{joint.unit}]"
