@@ -9,7 +9,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from robodyn.dynamics.effects.friction import friction_of
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.errors import InputError, SceneError
 from robodyn.loads.sizing import LEAST, Train, allowed, load_torque, motor_torque, points, train_of
@@ -26,6 +28,8 @@ from robodyn.support.wording import shown
 LIMITS = ("velocity", "acceleration", "effort", "motor torque", "motor speed", "gear torque", "jerk")
 VELOCITY, ACCELERATION, EFFORT, MOTOR_TORQUE, MOTOR_SPEED, GEAR, JERK = range(len(LIMITS))
 SLOWEST = 1e-9  # rad/s, m/s: what counts as moving, for the friction at the beginning of a motion
+FINE = 10
+"""Parts of each interval at whose ends limits are checked."""
 _STEP = 1e-4  # of the speed, over which slopes are taken
 PerJoint = float | Sequence[float] | Mapping[str, float]
 
@@ -79,6 +83,13 @@ class Bounds:
             found[i] = min(found[i], self.limits[MOTOR_SPEED, i] / abs(train.gear))
         return found
 
+    @property
+    def bent(self) -> bool:
+        """Whether limits may be other than lines in u and x: friction, drag, and motors' curves and losses."""
+        scene, found = self.scene, (friction_of(body.joint, self.scene) for body in self.model.bodies)
+        drags = any(friction.viscous or friction.dry for friction in found)
+        return drags or bool(self.trains or scene.coupled or scene.immersed)
+
     def values(self, q: Floats, qd: Floats, qdd: Floats) -> tuple[Floats, Floats]:
         """Return what is limited at states (..., n), all of `LIMITS` but jerk (6, ..., n), and its limits there."""
         found = np.zeros((JERK, *q.shape))
@@ -123,18 +134,41 @@ def bounds_of(model: Model, scene: Scene, acceleration: PerJoint | None, jerk: P
     return Bounds(model, scene, limits, trains)
 
 
+def inner(rest: NDArray[np.bool_], parts: Floats) -> Floats:
+    """Return (len(parts), N) parts of intervals from one end to the other, or nearly: there a joint may turn back, and
+    only a robot at rest, as told (N + 1,) of the ends, is at both sides of that."""
+    found = np.repeat(parts[:, None], len(rest) - 1, axis=1)
+    found[0, ~rest[:-1]] = 1e-9
+    found[-1, ~rest[1:]] = 1.0 - 1e-9
+    return found
+
+
 class Along:
     """A path on a grid s (N + 1,), at the beginning and at the end of its intervals: q, q', q'' (2, N, n); way (N, n):
-    the sign of q' between."""
+    the sign of q' between; leg (N,): from which stop on."""
 
     def __init__(self, bounds: Bounds, path: Path, s: Floats) -> None:
         self.bounds, self.path, self.s = bounds, path, s
         self.steps = np.diff(s)
         self.still = np.isin(np.arange(len(s)), np.abs(s[:, None] - path.stops).argmin(axis=0))
-        middle = 0.5 * (s[1:] + s[:-1])
-        self.piece = path.pieces(middle)
-        self.q, self.first, self.second, _ = path.at(np.stack((s[:-1], s[1:])), self.piece)
-        self.way = np.sign(path.at(middle, self.piece)[1])
+        self.leg = np.clip(np.cumsum(self.still[:-1]) - 1, 0, len(path.stops) - 2)
+        self.q, self.first, self.second = self.curve(np.array([[0.0], [1.0]]))
+        self.way = np.sign(self.curve(np.array([[0.5]]))[1][0])
+        self.parts = inner(self.still, 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, FINE + 1)))
+        self.between = self.curve(self.parts)
+
+    def curve(self, parts: Floats) -> tuple[Floats, Floats, Floats]:
+        """Return q, q', q'' at these parts of intervals."""
+        pieces = self.path.pieces(0.5 * (self.s[1:] + self.s[:-1]), self.leg)
+        s = self.s[:-1] + parts * self.steps
+        return self.path.at(s, np.broadcast_to(pieces, s.shape))[:3]
+
+    def uses(self, x: Floats) -> Floats:
+        """Return (6, N, n) what a pass uses of limits at the most, at all parts of intervals."""
+        q, first, second = self.between
+        near, u = (x[:-1] + self.parts * np.diff(x))[..., None], (np.diff(x) / (2.0 * self.steps))[:, None]
+        used: Floats = self.bounds.uses(q, first * np.sqrt(near), first * u + second * near).max(axis=1)
+        return used
 
     def most(self, kept: Floats) -> Floats:
         """(N + 1,) the largest x that limits of speed leave; 0 where the path stops."""

@@ -131,36 +131,34 @@ class Path:
             q = q * t + each
         return q, first, second, third
 
-    def pieces(self, middle: Floats) -> NDArray[np.int64]:
-        return np.clip(np.searchsorted(self.breaks, middle, side="right") - 1, 0, self.c.shape[1] - 1)
+    def pieces(self, s: Floats, leg: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Return the pieces at s, which is on these legs from stop to stop."""
+        stops = np.abs(self.breaks[:, None] - self.stops).argmin(axis=0)
+        return np.clip(np.searchsorted(self.breaks, s, side="right") - 1, stops[leg], stops[leg + 1] - 1)
 
     def row(self, s: Floats | float) -> Floats:
         """Return the place in the table: 2.5 is half-way between rows 2 and 3."""
         return np.asarray(np.interp(s, self.marks, self.rows.astype(float)))
 
     def grid(self, points: int) -> Floats:
-        """Return places (N,), about so many, every break among them, and where joints turn back; beside stops they are
-        even in time rather than in s."""
+        """Return places (N,), about so many, nearer to each other beside breaks, every break among them, and where
+        joints turn back."""
         from scipy.interpolate import PPoly
 
         lengths = np.diff(self.breaks)
         least = max(min(20, points // len(lengths)), min(len(self.stops) - 1, 2))
         counts = np.maximum(np.ceil(points * lengths / lengths.sum()), least)
-        parts = [a + (b - a) * np.arange(m) / m for a, b, m in zip(self.breaks, self.breaks[1:], counts, strict=False)]
+        parts = [
+            a + h * 0.5 * (1.0 - np.cos(np.pi * np.arange(m) / m))
+            for a, h, m in zip(self.breaks, lengths, counts, strict=False)
+        ]
         s = np.concatenate([*parts, self.breaks[-1:]])
         found = PPoly(self.c[::-1], self.breaks).derivative().roots(discontinuity=False, extrapolate=False)
         roots = np.concatenate(found.tolist())
         roots = roots[np.isfinite(roots)]
         k = np.clip(np.searchsorted(s, roots) - 1, 0, len(s) - 2)
         near = 1e-6 * (s[k + 1] - s[k])
-        turns = [s, roots[(roots - s[k] > near) & (s[k + 1] - roots > near)]]
-        many, average = min(points // (8 * len(self.stops)), 16), self.breaks[-1] / points
-        slow = many * average * np.square(np.arange(1, 4 * many) / (4 * many or 1))
-        slow = (self.stops[:, None] + np.concatenate((slow, -slow))).ravel()
-        turns.append(slow[(slow > 0.0) & (slow < self.breaks[-1])])
-        s = np.unique(np.concatenate(turns))
-        step = 1e-9 * float(lengths.min())
-        return np.asarray(s[np.concatenate(([True], np.diff(s) > step))])
+        return np.unique(np.concatenate((s, roots[(roots - s[k] > near) & (s[k + 1] - roots > near)])))
 
 
 def spline(points: WayPoints) -> Path:

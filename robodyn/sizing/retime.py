@@ -10,9 +10,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -27,6 +26,7 @@ from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.sizing.along import (
     ACCELERATION,
     EFFORT,
+    FINE,
     GEAR,
     JERK,
     LIMITS,
@@ -37,6 +37,7 @@ from robodyn.sizing.along import (
     PerJoint,
     bounds_of,
     check_supported,
+    inner,
 )
 from robodyn.sizing.path import Path, lines, read_path, spline
 from robodyn.sizing.reachability import Intervals
@@ -46,13 +47,11 @@ from robodyn.support.wording import shown
 PROFILES = ("optimal", "trapezoid", "scurve")
 GRID, RATE = 2000, 250.0
 MOST_GRID, MOST_SAMPLES = 50_000, 2_000_000
-FINE = 10
-"""Parts of each interval of the grid at whose ends limits are checked."""
 PASSED, BINDS = 1e-9, 0.995
 """Of a limit: what it may be passed by, and from where on it is said to bind."""
 RAMP = 0.25
 """Of the time of speeding up: that over which an S-curve's acceleration grows, where no jerk is given."""
-_ROUNDS, _SAME, _ROUNDING = 40, 1e-9, 1e-12
+_ROUNDS, _NEAR, _ROUNDING = 40, 1e-7, 1e-12
 _TRIED, _SOFTER = 2, 4
 """Widths of moving averages that are tried behind the best, and how often accelerations are lowered for each."""
 MOST_STOPS = 500
@@ -60,15 +59,33 @@ MOST_STOPS = 500
 
 
 class Course(NamedTuple):
-    """s(t) of polynomials of the third degree: when K of them begin, and the last ends (K + 1,) [s]; s, sd, sdd there,
-    sddd (K,), and the piece of the path that each is on. `u[k]` is sdd after knot k; the last is not used."""
+    """s(t) of K polynomials of the third degree: how long each lasts [s]; s, sd, sdd where it begins; sddd; the leg of
+    the path, from stop to stop, that it is on. The last is the rest at the end."""
 
-    time: Floats
+    lasts: Floats
     s: Floats
     speed: Floats
     u: Floats
     jerk: Floats
-    piece: NDArray[np.int64]
+    leg: NDArray[np.int64]
+
+    @property
+    def time(self) -> Floats:
+        """(K + 1,) when polynomials begin, and the last ends [s]."""
+        return np.concatenate(([0.0], np.cumsum(self.lasts)))
+
+    @property
+    def duration(self) -> float:
+        return float(self.lasts.sum())
+
+    def knot(self, time: Floats) -> NDArray[np.int64]:
+        """Return by which polynomials these times are."""
+        return np.clip(np.searchsorted(self.time, time, side="right") - 1, 0, len(self.lasts) - 1)
+
+    def slower(self, factor: float) -> Course:
+        """Return the same in `factor` times the time."""
+        f = 1.0 / factor
+        return Course(factor * self.lasts, self.s, f * self.speed, f * f * self.u, f * f * f * self.jerk, self.leg)
 
     def at(self, time: Floats, k: NDArray[np.int64]) -> tuple[Floats, Floats, Floats, Floats]:
         """Return s and its derivatives at these times, by polynomials k."""
@@ -77,51 +94,34 @@ class Course(NamedTuple):
         sd = self.speed[k] + t * (self.u[k] + t * (j / 2.0))
         return s, np.where(sd > _ROUNDING * self.speed.max(), sd, 0.0), self.u[k] + j * t, j
 
-    def knot(self, time: Floats) -> NDArray[np.int64]:
-        """Return by which polynomials these times are."""
-        return np.clip(np.searchsorted(self.time, time, side="right") - 1, 0, len(self.jerk) - 1)
-
-    def slower(self, factor: float) -> Course:
-        """Return the same in `factor` times the time."""
-        f = 1.0 / factor
-        return Course(factor * self.time, self.s, f * self.speed, f * f * self.u, f * f * f * self.jerk, self.piece)
-
     def states(self, path: Path, time: Floats, k: NDArray[np.int64]) -> tuple[Floats, Floats, Floats, Floats]:
         """Return q, qd, qdd and qddd (..., n) at these times, by polynomials k."""
         s, sd, u, j = self.at(time, k)
-        q, first, second, third = path.at(s, np.where(self.piece[k] < 0, path.pieces(s), self.piece[k]))
+        q, first, second, third = path.at(s, path.pieces(s, self.leg[k]))
         sd, u, j = (each[..., None] for each in (sd, u, j))
         return q, first * sd, first * u + second * sd * sd, first * j + 3.0 * second * sd * u + third * sd**3
 
     def fine(self, parts: int = FINE) -> tuple[Floats, NDArray[np.int64]]:
         """Return times (parts + 1, K) in all polynomials, and the numbers of these."""
-        time = self.time[:-1] + _inside(self.speed, parts) * np.diff(self.time)
-        return time, np.broadcast_to(np.arange(len(self.jerk)), time.shape)
+        inside = inner(np.append(self.speed, 0.0) == 0.0, np.linspace(0.0, 1.0, parts + 1))
+        return self.time[:-1] + inside * self.lasts, np.broadcast_to(np.arange(len(self.lasts)), inside.shape)
 
     def averaged(self, width: float) -> Course:
         """Return the moving average of s over this time, of a course without jerk that begins and ends at rest, which
         takes it longer: `sdd(t) = (sd(t) - sd(t - width)) / width`; the same where the width is 0."""
         if width <= 0.0:
             return self
-        knots = np.sort(np.concatenate((self.time, self.time + width)))
+        time = self.time
+        knots = np.sort(np.concatenate((time, time + width)))
         knots = knots[np.append(True, np.diff(knots) > 1e-7 * width)]  # those that rounding alone parts are one
-        now, then = (np.interp(knots - late, self.time, self.speed) for late in (0.0, width))
+        now, then = (np.interp(knots - late, time, np.append(self.speed, 0.0)) for late in (0.0, width))
         u, steps = (now - then) / width, np.diff(knots)
         jerk = np.diff(u) / steps
         speed = np.concatenate(([0.0], np.cumsum(0.5 * steps * (u[1:] + u[:-1])))).clip(0.0)
         ways = steps * (speed[:-1] + steps * (u[:-1] / 2.0 + steps * jerk / 6.0))
         s = self.s[0] + np.concatenate(([0.0], np.cumsum(ways)))
-        piece = self.piece[:1] if (self.piece == self.piece[0]).all() else np.array([-1])
-        return Course(knots, s, speed, u, jerk, np.repeat(piece, len(jerk)))
-
-
-def _inside(speed: Floats, parts: int) -> Floats:
-    """Return (parts + 1, K) parts of intervals from one end to the other, or nearly: there a joint may turn back, and
-    only a robot at rest is at both sides of that."""
-    found = np.repeat(np.linspace(0.0, 1.0, parts + 1)[:, None], len(speed) - 1, axis=1)
-    found[0, speed[:-1] > 0.0] = 1e-9
-    found[-1, speed[1:] > 0.0] = 1.0 - 1e-9
-    return found
+        lasts, leg = np.append(steps, 0.0), self.leg[self.knot(knots + 0.5 * np.append(steps, 0.0))]
+        return Course(lasts, s, speed, u, np.append(jerk, 0.0), leg)
 
 
 @dataclass(frozen=True)
@@ -248,14 +248,12 @@ def retime(
             along = Along(bounds, way, way.grid(max(grid, len(way.breaks) - 1)))
             kept, x = _fastest(along)
             jerky = np.isfinite(bounds.limits[JERK]).any()
-            course = _within_jerk(along, kept, x) if jerky else _joined(way, _stretches(along, x))
+            course = _within_jerk(along, kept, x) if jerky else _course(along, x)
         elif len(way.breaks) > MOST_STOPS:
             what = f"{len(way.breaks)} way-points to stop at"
             raise InputError(what, remedy=f"{MOST_STOPS} at most; --profile optimal follows a dense path in one go")
         else:
-            moves = [_move(bounds, way, k, profile) for k in range(len(way.breaks) - 1)]
-            course = _joined(way, moves)
-        course = _settled(bounds, way, course, Course.fine)[0]
+            course = _joined(way, [_move(bounds, way, k, profile) for k in range(len(way.breaks) - 1)])
     except InfeasibleError as why:
         return Retimed(model, scene, profile, way, bounds.limits, str(why), why.where)
     return _result(bounds, way, course, rate, profile)
@@ -284,7 +282,7 @@ def _check_range(model: Model, path: Path, grid: int) -> None:
     """Raise if a joint leaves its range."""
     least, largest = coordinate_ranges(model)
     s = path.grid(grid)
-    q = path.at(s, path.pieces(s))[0]
+    q = path.at(s, path.pieces(s, np.searchsorted(path.stops[1:-1], s)))[0]
     beyond = np.maximum(least - q, q - largest) - PASSED * np.maximum(1.0, np.abs(q))
     beyond[:, least > largest] = 0.0
     if beyond.max(initial=0.0) > 0.0:
@@ -309,8 +307,8 @@ def _place(path: Path, s: float) -> str:
 
 def _fastest(along: Along) -> tuple[Floats, Floats]:
     """Return what is kept of limits (6, N, n) so that none is passed in between, and x (N + 1,) of the fastest pass."""
-    n, x, before, settled = len(along.steps), np.full(len(along.s), 0.01), np.inf, False
-    kept = np.ones((JERK, n, along.bounds.model.n))
+    x, before, settled = np.full(len(along.s), 0.01), np.inf, not along.bounds.bent
+    kept = np.ones((JERK, len(along.steps), along.bounds.model.n))
     for _ in range(_ROUNDS):
         intervals = Intervals(along.rows(x, kept), along.steps, along.most(kept))
         if (free := np.isinf(intervals.p).all(axis=(1, 2))).any():
@@ -323,13 +321,12 @@ def _fastest(along: Along) -> tuple[Floats, Floats]:
             x = x / 16.0  # friction that grows with speed is less at a lower one
             continue
         x = found.x
-        course = _whole(along, x)
-        used = along.bounds.uses(*course.states(along.path, *course.fine())[:3]).max(axis=1)  # (6, N, n)
-        duration = float(course.time[-1])
-        if used.max() <= 1.0 + 100.0 * _ROUNDING and (settled or abs(duration - before) <= _SAME * duration):
-            break
+        duration = _course(along, x).duration
         settled, before = settled or abs(duration - before) <= 1e-5 * duration, duration
         if settled:
+            used = along.uses(x)
+            if used.max() <= 1.0 + _NEAR:
+                break
             kept = np.where(used > 1.0 + _ROUNDING, kept / (np.maximum(used, 1.0) * (1.0 + 10.0 * _ROUNDING)), kept)
     return kept, x
 
@@ -346,36 +343,31 @@ def _free(path: Path, s: float) -> InputError:
     return InputError(what, remedy="--acceleration A; the description gives no effort, the scene no motor")
 
 
-def _whole(along: Along, x: Floats) -> Course:
-    """Return the course of a pass, without waiting."""
-    speed, u = np.sqrt(x), np.diff(x) / (2.0 * along.steps)
-    time = np.concatenate(([0.0], np.cumsum(2.0 * along.steps / (speed[1:] + speed[:-1]))))
-    return Course(time, along.s, speed, np.append(u, 0.0), np.zeros(len(u)), along.piece)
+def _course(along: Along, x: Floats, wait: float = 0.0) -> Course:
+    """Return the course of a pass; between two legs it waits for so long, and for what the path's table says."""
+    speed, u = np.sqrt(x), np.append(np.diff(x) / (2.0 * along.steps), 0.0)
+    lasts, stops = 2.0 * along.steps / (speed[1:] + speed[:-1]), np.flatnonzero(along.still)
+    rests = along.path.dwell.copy()
+    rests[1:-1] += wait
+    lasts, leg = np.insert(lasts, stops, rests), np.insert(along.leg, stops, _legs(along.path))
+    # each stop is twice among the knots: where the rest begins, and where it ends, but for the last
+    s, speed = (np.insert(each, stops, each[stops])[:-1] for each in (along.s, speed))
+    u = np.insert(u, stops, 0.0)[:-1]
+    return Course(lasts, s, speed, u, np.zeros(len(u)), leg)
 
 
-def _stretches(along: Along, x: Floats) -> list[Course]:
-    """Return the courses of a pass from stop to stop."""
-    whole, found = _whole(along, x), []
-    for a, b in pairwise(np.flatnonzero(along.still).tolist()):
-        time, s, speed, u = (each[a : b + 1] for each in (whole.time, whole.s, whole.speed, whole.u))
-        found.append(Course(time - time[0], s, speed, u, whole.jerk[a:b], whole.piece[a:b]))
-    return found
+def _legs(path: Path) -> NDArray[np.int64]:
+    """Return the leg that each stop ends; the first has none, and is of that which it begins."""
+    return np.maximum(np.arange(len(path.stops)) - 1, 0)
 
 
-def _joined(path: Path, stretches: list[Course]) -> Course:
-    """Return courses from stop to stop one after another, and the waiting at the stops."""
-    parts, now = list[Course](), 0.0
-    for k, (s, wait) in enumerate(zip(path.stops, path.dwell, strict=True)):
-        if wait > 0.0:
-            piece = path.pieces(np.array([s]))
-            rest = np.zeros(2)
-            parts.append(Course(now + np.array((0.0, wait)), np.full(2, s), rest, rest, rest[:1], piece))
-            now += float(wait)
-        if k < len(stretches):
-            parts.append(stretches[k]._replace(time=stretches[k].time + now))
-            now = float(parts[-1].time[-1])
-    knots = [np.concatenate([*(each[i][:-1] for each in parts), parts[-1][i][-1:]]) for i in range(4)]
-    return Course(*knots, *(np.concatenate([each[i] for each in parts]) for i in (4, 5)))
+def _joined(path: Path, moves: list[Course]) -> Course:
+    """Return moves from stop to stop one after another, and the waiting at the stops."""
+    rest = np.zeros(1)
+    first = Course(path.dwell[:1], path.stops[:1], rest, rest, rest, np.zeros(1, dtype=int))
+    for move, wait in zip(moves, path.dwell[1:], strict=True):
+        move.lasts[-1] = wait
+    return Course(*(np.concatenate(parts) for parts in zip(first, *moves, strict=True)))
 
 
 def _uses(bounds: Bounds, path: Path, course: Course, time: Floats, k: NDArray[np.int64]) -> Floats:
@@ -390,21 +382,6 @@ def _slack(used: Floats) -> float:
     most[[ACCELERATION, EFFORT, MOTOR_TORQUE, GEAR]] **= 0.5
     most[JERK] **= 1.0 / 3.0
     return float(most.max())
-
-
-def _settled(
-    bounds: Bounds, path: Path, course: Course, instants: Callable[[Course], tuple[Floats, NDArray[np.int64]]]
-) -> tuple[Course, Floats]:
-    """Return the course, slower by what its limits are passed by at some instants, and its use of limits there; raise
-    if that does not end."""
-    slack = np.inf
-    for turn in range(1, 100):
-        used = _uses(bounds, path, course, *instants(course))
-        if (slack := _slack(used)) <= 1.0 + PASSED / 4.0:
-            return course, used
-        course = course.slower(1.0 + turn * (slack - 1.0) + _ROUNDING)  # torques may hardly depend on the time
-    what = f"a limit is passed by {100 * (slack - 1.0):.2g} % between points of the grid"
-    raise InputError(what, remedy="--grid of more intervals")
 
 
 def _stuck(along: Along, k: int) -> InfeasibleError:
@@ -432,10 +409,11 @@ def _within_jerk(along: Along, kept: Floats, x: Floats) -> Course:
     """Return a course within the limits of jerk: the moving average of the fastest pass under limits that are lowered
     where it passes them, over the time that makes the shortest motion."""
     bounds, path, jerk = along.bounds, along.path, along.bounds.limits[JERK]
-    first = _joined(path, _stretches(along, x))
+    first = _course(along, x)
     fastest = np.abs(first.states(path, *first.fine())[2]).max(axis=(0, 1))
-    lone = 0.25 * np.cbrt(8.0 * fastest * first.time[-1] ** 2 / jerk)  # where nothing else limits the motion
+    lone = 0.25 * np.cbrt(8.0 * fastest * first.duration**2 / jerk)  # where nothing else limits the motion
     width, best, shortest, since = 4.0 * float(np.minimum(fastest / jerk, lone).max()), first, np.inf, 0
+    rests = np.flatnonzero(along.still) + np.arange(len(path.stops))
     while since < _TRIED and width > 0.0:
         width, softer, since = 0.5 * width, kept, since + 1
         limits = bounds.limits.copy()
@@ -447,22 +425,17 @@ def _within_jerk(along: Along, kept: Floats, x: Floats) -> Course:
                 x = _pass(along, x, softer)
             except InfeasibleError:
                 break
-            over = np.ones_like(kept)
-            stretches, stops = _stretches(along, x), np.flatnonzero(along.still)
-            averaged = [each.averaged(width) for each in stretches]
-            for (a, b), each, soft in zip(pairwise(stops.tolist()), stretches, averaged, strict=True):
-                time, k = soft.fine(2)
-                used = _uses(bounds, path, soft, time, k).max(axis=1)
-                used[ACCELERATION] = np.maximum(used[ACCELERATION], used[JERK])
-                begin = np.clip(np.searchsorted(soft.time, each.time[:-1], side="right") - 1, 0, used.shape[1] - 2)
-                end = np.clip(np.searchsorted(soft.time, each.time[1:] + width), begin + 1, used.shape[1] - 1)
-                places = np.column_stack((begin, end)).ravel()
-                over[:, a:b] = np.maximum(np.maximum.reduceat(used[:JERK], places, axis=1)[:, ::2], 1.0)
-            course = _joined(path, averaged)
-            duration = float(course.time[-1]) * max(1.0, _slack(_uses(bounds, path, course, *course.fine(2))))
-            if duration < shortest:
-                shortest, best, since = duration, course, 0
-            softer = softer / over
+            hard = _course(along, x, width)
+            soft = hard.averaged(width)
+            used = _uses(bounds, path, soft, *soft.fine(2))
+            if (duration := soft.duration * max(1.0, _slack(used))) < shortest:
+                shortest, best, since = duration, soft, 0
+            used = used.max(axis=1)
+            used[ACCELERATION] = np.maximum(used[ACCELERATION], used[JERK])
+            begin = soft.knot(hard.time[:-1])
+            end = np.clip(np.searchsorted(soft.time, hard.time[1:] + width), begin + 1, len(soft.lasts) - 1)
+            over = np.maximum.reduceat(used[:JERK], np.column_stack((begin, end)).ravel(), axis=1)[:, ::2]
+            softer = softer / np.delete(np.maximum(over, 1.0), rests, axis=1)
     return best
 
 
@@ -475,22 +448,21 @@ def _move(bounds: Bounds, path: Path, k: int, profile: str) -> Course:
     """
     length, way = float(path.breaks[k + 1] - path.breaks[k]), np.abs(path.c[1, k])
     with np.errstate(divide="ignore"):
-        fast, sharp, j = (float((each / way).min()) for each in (bounds.speed, *bounds.limits[[ACCELERATION, JERK]]))
+        fast, sharp, jerk = (float((each / way).min()) for each in (bounds.speed, *bounds.limits[[ACCELERATION, JERK]]))
 
     def course(a: float, v: float) -> Course:
-        ramp, given = RAMP if profile == "scurve" else 0.0, np.isfinite(j)
-        if given:  # the acceleration is reached, and the speed lasts as long as the jerk, at least
-            a = min(a, float(np.cbrt(0.5 * j * j * length)))
-            v = min(v, 0.5 * a * (float(np.hypot(a / j, 2.0 * np.sqrt(length / a))) - a / j))
-            a = min(a, float(np.sqrt(v * j)))
-        else:
-            v = min(v, float(np.sqrt(length * a / (1.0 + ramp))))
+        j = jerk
+        if profile == "scurve" and np.isinf(j):
+            j = a * a / (RAMP * min(v, float(np.sqrt(length * a / (1.0 + RAMP)))))
+        # the acceleration is reached, and the speed lasts as long as the jerk, at least
+        a = min(a, float(np.cbrt(0.5 * j * j * length)))
+        v = min(v, 0.5 * a * (float(np.hypot(a / j, 2.0 * np.sqrt(length / a))) - a / j))
+        a = min(a, float(np.sqrt(v * j)))
         rise = v / a
-        time = np.cumsum([0.0, rise, max(length / v - rise, 0.0), rise])
+        lasts = np.array([rise, max(length / v - rise, 0.0), rise, 0.0])
         s = path.breaks[k] + np.array([0.0, 0.5 * v * rise, length - 0.5 * v * rise, length])
-        u = np.array([a, 0.0, -a, 0.0])
-        one = Course(time, s, np.array([0.0, v, v, 0.0]), u, np.zeros(3), np.full(3, k))
-        return one.averaged(a / j if given else ramp * rise)
+        u, leg = np.array([a, 0.0, -a, 0.0]), np.full(4, k)
+        return Course(lasts, s, np.array([0.0, v, v, 0.0]), u, np.zeros(4), leg).averaged(a / j)
 
     def keeps(a: float, v: float) -> bool:
         one = course(a, v)
@@ -512,20 +484,30 @@ def _move(bounds: Bounds, path: Path, k: int, profile: str) -> Course:
     return course(low, v)
 
 
+def _settled(bounds: Bounds, path: Path, course: Course, rate: float) -> tuple[Course, Floats, Floats]:
+    """Return the course, slower by what its limits are passed by, times of rows, and what they use of limits; raise if
+    that does not end."""
+    slack = np.inf
+    for turn in range(1, 100):
+        samples = max(int(np.ceil(course.duration * rate - 1e-9)) + 1, 2)
+        if samples > MOST_SAMPLES:
+            what = f"the motion takes {course.duration:.6g} s, {float(samples):.6g} rows"
+            raise InputError(what, remedy=f"--rate of fewer rows per second, {MOST_SAMPLES} at most")
+        time = np.linspace(0.0, course.duration, samples)
+        used = _uses(bounds, path, course, time, course.knot(time))
+        slack = max(_slack(used), _slack(_uses(bounds, path, course, *course.fine())))
+        if slack <= 1.0 + PASSED / 4.0:
+            return course, time, used
+        course = course.slower(1.0 + turn * (slack - 1.0) + _ROUNDING)  # torques may hardly depend on the time
+    what = f"a limit is passed by {100 * (slack - 1.0):.2g} % between points of the grid"
+    raise InputError(what, remedy="--grid of more intervals")
+
+
 def _result(bounds: Bounds, path: Path, course: Course, rate: float, profile: str) -> Retimed:
     """Sample a course, and say what binds."""
     names, n = bounds.model.joint_names, bounds.model.n
-
-    def rows(course: Course) -> tuple[Floats, NDArray[np.int64]]:
-        samples = max(int(np.ceil(course.time[-1] * rate - 1e-9)) + 1, 2)
-        if samples > MOST_SAMPLES:
-            what = f"the motion takes {course.time[-1]:.6g} s, {float(samples):.6g} rows"
-            raise InputError(what, remedy=f"--rate of fewer rows per second, {MOST_SAMPLES} at most")
-        time = np.linspace(0.0, course.time[-1], samples)
-        return time, course.knot(time)
-
-    course, used = _settled(bounds, path, course, rows)
-    time, k = rows(course)
+    course, time, used = _settled(bounds, path, course, rate)
+    k = course.knot(time)
     q, qd, qdd, _ = course.states(path, time, k)
     tau = bounds.values(q, qd, qdd)[0][EFFORT]
     flat = np.ascontiguousarray(used.transpose(1, 0, 2).reshape(len(time), -1))

@@ -367,7 +367,7 @@ def test_the_spline_goes_through_its_points_with_even_accelerations():
     rng = np.random.default_rng(1)
     q = rng.normal(size=(7, 3))
     path = spline(WayPoints(None, q, np.arange(1, 8), np.zeros(7)))
-    assert np.abs(path.at(path.marks, path.pieces(path.marks))[0] - q).max() <= 1e-12
+    assert np.abs(path.at(path.marks, path.pieces(path.marks, np.array(0)))[0] - q).max() <= 1e-12
     left, right = (path.at(path.breaks[1:-1], np.arange(k, 5 + k)) for k in (0, 1))
     for a, b in zip(left[:3], right[:3], strict=True):
         assert np.abs(a - b).max() <= 1e-9
@@ -382,7 +382,7 @@ def test_blends_leave_lines_and_join_them_with_even_accelerations(radius):
     left, right = (path.at(path.breaks[1:-1], inner + k) for k in (0, 1))
     for a, b in zip(left[:3], right[:3], strict=True):
         assert np.abs(a - b).max() <= 1e-9
-    corner = path.at(path.marks[1:-1], path.pieces(path.marks[1:-1]))[0]
+    corner = path.at(path.marks[1:-1], path.pieces(path.marks[1:-1], np.array(0)))[0]
     along = np.diff(q, axis=0) / np.linalg.norm(np.diff(q, axis=0), axis=1)[:, None]
     lengths = np.linalg.norm(np.diff(q, axis=0), axis=1)
     r = np.minimum(np.minimum(lengths[:-1], lengths[1:]) / 2, radius)
