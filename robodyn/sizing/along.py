@@ -18,7 +18,7 @@ from robodyn.loads.sizing import LEAST, Train, allowed, load_torque, motor_torqu
 from robodyn.robot.kinematics import named
 from robodyn.robot.limits import MOST_EFFORT, MOST_VELOCITY, binding
 from robodyn.robot.model import Model
-from robodyn.scene.fit import refuse_load
+from robodyn.scene.fit import check_moves, refuse_load, refuse_others
 from robodyn.scene.scene import Scene
 from robodyn.sizing.path import Path
 from robodyn.sizing.reachability import Rows
@@ -36,34 +36,14 @@ PerJoint = float | Sequence[float] | Mapping[str, float]
 
 def per_joint(given: PerJoint | None, model: Model, what: str) -> Floats:
     """Return a limit of each joint (n,), inf where none is given: one number for all, one for each, or by name."""
-    values: Any = {} if given is None else given
-    if given is not None and not isinstance(given, Mapping):
-        values = np.atleast_1d(given).tolist()
-        values = values * model.n if len(values) == 1 else values
+    values: Any = given if isinstance(given, Mapping) else np.atleast_1d([] if given is None else given).tolist()
+    if len(values) == 1 and not isinstance(given, Mapping):
+        values *= model.n
     by_name = named(model, values, model.joint_names)
     found = np.array([by_name.get(name, np.inf) for name in model.joint_names])
     if not (found > 0.0).all():
         raise InputError(f"{what} is {found[~(found > 0.0)][0]:g}", remedy="it is positive")
     return found
-
-
-def check_supported(model: Model, scene: Scene) -> None:
-    """Raise where the torques along a path are not those of an open tree on the ground, as above."""
-    remedy = "robodyn torques computes what a given motion takes"
-    if model.floating:
-        what = "the base moves, and a path is of a robot that stands"
-        raise InputError(what, remedy=remedy, file=model.file)
-    if model.n == 0:
-        raise InputError("no joint moves", remedy="give a robot with joints", file=model.file)
-    if scene.constrained:
-        what = "loops, contacts or joints that do not drive: how torques are shared along a path is not known here"
-        raise SceneError(what, remedy=remedy)
-    if scene.columns:
-        what = f"a wrench names the column {shown(scene.columns[0])}, whose course along the path is not known"
-        raise SceneError(what, remedy="give forces and moments as numbers")
-    if any(scene.fluid_velocity) and any(each.volume or any(each.drag_area) for each in scene.immersed):
-        raise SceneError("the fluid streams, and drag is known here in still fluid only", remedy="leave velocity out")
-    refuse_load(scene)
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,7 +93,24 @@ class Bounds:
 
 
 def bounds_of(model: Model, scene: Scene, acceleration: PerJoint | None, jerk: PerJoint | None, speed: float) -> Bounds:
-    """Return the limits of a robot in a scene; speed: the share of the velocity limits that is used."""
+    """Return the limits of a robot in a scene; speed: the share of the velocity limits that is used.
+
+    Raises:
+        InputError: the torques along a path are not those of an open tree on the ground, as above.
+    """
+    refuse_others(model, scene)
+    refuse_load(scene)
+    check_moves(model)
+    remedy = "robodyn torques computes what a given motion takes"
+    if model.floating:
+        what = "the base moves, and a path is of a robot that stands"
+        raise InputError(what, remedy=remedy, file=model.file)
+    if scene.constrained:
+        what = "loops, contacts or joints that do not drive: how torques are shared along a path is not known here"
+        raise SceneError(what, remedy=remedy)
+    if scene.columns:
+        what = f"a wrench names the column {shown(scene.columns[0])}, whose course along the path is not known"
+        raise SceneError(what, remedy="give forces and moments as numbers")
     limits = np.full((len(LIMITS), model.n), np.inf)
     limits[ACCELERATION] = per_joint(acceleration, model, "acceleration")
     limits[JERK] = per_joint(jerk, model, "jerk")
@@ -159,9 +156,8 @@ class Along:
 
     def curve(self, parts: Floats) -> tuple[Floats, Floats, Floats]:
         """Return q, q', q'' at these parts of intervals."""
-        pieces = self.path.pieces(0.5 * (self.s[1:] + self.s[:-1]), self.leg)
         s = self.s[:-1] + parts * self.steps
-        return self.path.at(s, np.broadcast_to(pieces, s.shape))[:3]
+        return self.path.at(s, self.path.pieces(s, self.leg))[:3]
 
     def uses(self, x: Floats) -> Floats:
         """Return (6, N, n) what a pass uses of limits at the most, at all parts of intervals."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from contextlib import closing
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -27,7 +28,6 @@ _LEAST, _FARTHEST = 1e-12, 1e6  # rad or m: what is no way at all, and what is n
 class WayPoints(NamedTuple):
     """Positions (M, n) [rad or m], the row of the table of each, from 1, and how long the robot waits there [s]."""
 
-    file: str | None
     q: Floats
     rows: NDArray[np.int64]
     dwell: Floats
@@ -47,14 +47,13 @@ def read_path(source: Any, model: Model, scene: Scene, **reading: Any) -> WayPoi
         file, q, dwell = _table(source, model, scene, reading)
     else:
         q = np.array(source, dtype=float)
-        if q.ndim != 2 or q.shape[1] != model.n or not np.isfinite(q).all():
-            raise TrajectoryError(f"the path has shape {q.shape}", remedy=f"finite numbers (M, {model.n})")
+        if q.ndim != 2 or q.shape[1] != model.n:
+            raise TrajectoryError(f"the path has shape {q.shape}", remedy=f"(M, {model.n})")
         file, dwell = None, np.zeros(len(q))
-    if np.abs(q).max(initial=0.0) > _FARTHEST:
-        row, i = np.argwhere(np.abs(q) > _FARTHEST)[0].tolist()
-        raise TrajectoryError(
-            f"row {row + 1}: {model.joint_names[i]} is at {q[row, i]:g}", remedy="rad, or m", file=file
-        )
+    if (wrong := ~(np.abs(q) <= _FARTHEST)).any():
+        row, i = np.argwhere(wrong)[0].tolist()
+        what = f"row {row + 1}: {model.joint_names[i]} is at {q[row, i]:g}"
+        raise TrajectoryError(what, remedy="finite numbers, rad or m", file=file)
     if (dwell < 0.0).any():
         row = int(np.argmax(dwell < 0.0)) + 1
         raise TrajectoryError(f"row {row}: dwell is {dwell[row - 1]:g} s", remedy="0 or more", file=file)
@@ -64,41 +63,32 @@ def read_path(source: Any, model: Model, scene: Scene, **reading: Any) -> WayPoi
         what = "is no path: it has fewer than two places" if len(q) else "has no rows"
         raise TrajectoryError(what, remedy="give two way-points at least", file=file)
     at = np.flatnonzero(apart)
-    return WayPoints(file, q[at], at + 1, np.add.reduceat(dwell, at))
+    return WayPoints(q[at], at + 1, np.add.reduceat(dwell, at))
 
 
 def _table(source: str | os.PathLike[str], model: Model, scene: Scene, given: dict[str, Any]) -> tuple[str, Any, Any]:
-    known = {name: given[name] for name in ("ignore_extra", "columns", "time_unit", "angle_unit") if name in given}
-    reading = Reading(hold=hold_of(given.get("hold")), **{k: v for k, v in known.items() if v is not None})
-    table = open_table(source, given.get("topic"))
-    try:
-        names = table.names
-        called = {*names, *reading.columns}
-        timed = any(map(is_time, called))
-        header = Header(names if timed else (*names, "time"), table.file, table.header_line)
+    reading = Reading(**{**given, "hold": hold_of(given.get("hold")), "columns": given.get("columns") or {}})
+    with closing(open_table(source, reading.topic)) as table:
+        called = {*table.names, *reading.columns}
+        names = table.names if any(map(is_time, called)) else (*table.names, "time")
+        header = Header(names, table.file, table.header_line)
         if header.labels:
             header = header.labelled(table.texts([*header.labels]))
-        of = signals(model, scene)
-        waits = DWELL in called and of.find(DWELL) is None
-        layout = resolve(header, of, (DWELL,) if waits else (), reading)
+        layout = resolve(header, signals(model, scene), (DWELL,) if DWELL in called else (), reading)
         needed = sorted({*layout.q, *layout.extra.values()} - {ABSENT})
         table.choose(needed)
-        blocks: list[Floats] = []
-        for block in table.blocks(needed, 1 << 15):
-            blocks.append(np.array(block))
-            if sum(map(len, blocks)) > MOST_ROWS:
-                what = f"has more than {MOST_ROWS} rows"
-                raise TrajectoryError(what, remedy="a path needs fewer: leave rows out", file=table.file)
-    finally:
-        table.close()
+        blocks = [np.array(block) for block in table.blocks(needed, 1 << 15)]
     cells = np.concatenate([np.empty((0, len(needed))), *blocks])
+    if len(cells) > MOST_ROWS:
+        what = f"has more than {MOST_ROWS} rows"
+        raise TrajectoryError(what, remedy="a path needs fewer: leave rows out", file=table.file)
     q = np.zeros((len(cells), model.n))
     for i, column in enumerate(layout.q):
         if column != ABSENT:
             q[:, i] = cells[:, needed.index(column)] / layout.parts.get(column, 1.0)
     for i, position in layout.held.items():
         q[:, i] = position
-    dwell = cells[:, needed.index(layout.extra[DWELL])] if waits else np.zeros(len(cells))
+    dwell = cells[:, needed.index(layout.extra[DWELL])] if layout.extra else np.zeros(len(cells))
     return table.file or str(source), q, dwell
 
 
@@ -174,11 +164,11 @@ def spline(points: WayPoints) -> Path:
     return Path(s, c, s, points.rows, s[kept], points.dwell[kept])
 
 
-def lines(points: WayPoints, radius: float = 0.0, stopping: bool = False) -> Path:
+def lines(points: WayPoints, radius: float | None = None) -> Path:
     """Return straight lines between the way-points, over their length [rad, m]: each corner is left and joined again at
     this distance from its way-point, at half of a line at most, by a curve with a continuous second derivative,
     `q' = d0 + (d1 - d0) (3 t^2 - 2 t^3)`; where the radius is 0, or the robot waits, it stops in the corner;
-    `stopping`: in each."""
+    None: it stops at each way-point."""
     ways = np.diff(points.q, axis=0)
     lengths = np.linalg.norm(ways, axis=1)
     along = ways / lengths[:, None]
@@ -188,7 +178,7 @@ def lines(points: WayPoints, radius: float = 0.0, stopping: bool = False) -> Pat
     room = np.zeros(len(s))
     for k in range(1, len(s) - 1):
         straight = bool(np.linalg.norm(along[k] - along[k - 1]) < 1e-9)
-        if stopping or points.dwell[k] or (radius == 0.0 and not straight):
+        if radius is None or points.dwell[k] or (radius == 0.0 and not straight):
             stops.append(k)
         elif not straight:
             room[k] = min(radius, 0.5 * lengths[k - 1], 0.5 * lengths[k])

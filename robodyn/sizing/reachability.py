@@ -26,13 +26,6 @@ class Rows(NamedTuple):
     d: Floats
 
 
-class Pass(NamedTuple):
-    """x (N + 1,) of the fastest pass; if there is none, the number of the interval that stops it."""
-
-    x: Floats
-    stuck: int | None = None
-
-
 class Intervals:
     """The rows of intervals as limits of u that fall or rise with the x at their beginning: `u <= p - q x` (and
     `-u <= p - q x`), and the limits of x alone."""
@@ -57,26 +50,26 @@ class Intervals:
         low = np.where((idle & (np.abs(b) <= weight) & (d < 0.0)).any(axis=1), np.inf, low)
         self.high, self.low = np.minimum(high, most[:-1]), low
 
-    def fastest(self) -> Pass:
-        """Return the fastest pass that is at rest at both ends: the sets of x from which the end can be reached,
-        backwards, then the largest step into each, forwards."""
+    def fastest(self) -> tuple[Floats, int | None]:
+        """Return x (N + 1,) of the fastest pass that is at rest at both ends: the sets of x from which the end can be
+        reached, backwards, then the largest step into each, forwards; and the interval that stops it, if one does."""
         n, steps = len(self.steps), self.steps.tolist()
-        high, low = np.zeros(n + 1), np.zeros(n + 1)
+        x, highs, lows = np.zeros(n + 1), [0.0] * (n + 1), [0.0] * (n + 1)
         tops, bottoms = self.high.tolist(), self.low.tolist()
-        at_rest = self.p.min(axis=2)
-        free = (at_rest >= 0.0).all(axis=1).tolist()
+        free = (self.p.min(axis=2) >= 0.0).all(axis=1).tolist()
         p, q = list(self.p), list(self.q)
         top = bottom = 0.0
         for k in range(n - 1, -1, -1):
-            half = 0.5 / steps[k]
-            top, bottom = _ends(p[k], q[k], tops[k], bottoms[k], top, bottom, half, free[k])
+            half, after, least = 0.5 / steps[k], top, bottom
+            top = _root(p[k], q[k], tops[k], after, least, half, 1.0)
+            if not free[k] or least > 0.0 or bottoms[k] > 0.0:
+                bottom = _root(p[k], q[k], bottoms[k], after, least, half, -1.0)
             if not bottom <= top:
-                return Pass(high, k)
-            high[k], low[k] = top, bottom
-        if low[0] > 0.0:
-            return Pass(high, 0)
-        x, now = np.zeros(n + 1), 0.0
-        highs, lows = high.tolist(), low.tolist()
+                return x, k
+            highs[k], lows[k] = top, bottom
+        if bottom > 0.0:
+            return x, 0
+        now = 0.0
         for k in range(n):
             values = p[k] - q[k] * now
             i, j = values.argmin(axis=1).tolist()
@@ -86,22 +79,13 @@ class Intervals:
             after = min(max(after, lows[k + 1]), highs[k + 1])
             x[k + 1] = now = after
             if now == 0.0 and x[k] == 0.0:
-                return Pass(x, k)
-        return Pass(x)
-
-
-def _ends(
-    p: Floats, q: Floats, top: float, bottom: float, after: float, least: float, half: float, free: bool
-) -> tuple[float, float]:
-    """Return the largest and the least x within an interval's limits from which an x of the next, from `least` to
-    `after`, is reached: where the largest u and the least meet, by Newton's steps from outside."""
-    top = _root(p, q, top, after, least, half, 1.0)
-    if top < 0.0 or (least == 0.0 and bottom == 0.0 and free):
-        return top, 0.0
-    return top, _root(p, q, bottom, after, least, half, -1.0)
+                return x, k
+        return x, None
 
 
 def _root(p: Floats, q: Floats, x: float, after: float, least: float, half: float, side: float) -> float:
+    """Return the largest (side 1) or the least (-1) x within an interval's limits from which an x of the next, from
+    `least` to `after`, is reached: where the largest u and the least meet, by Newton's steps from outside."""
     x = min(x, 1e12)
     for _ in range(_TRIES):
         values = p - q * x

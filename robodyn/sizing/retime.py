@@ -21,7 +21,6 @@ from robodyn.errors import InputError
 from robodyn.loads.sizing import allowed, load_torque, motor_torque
 from robodyn.robot.limits import coordinate_ranges
 from robodyn.robot.model import Model
-from robodyn.scene.fit import refuse_others
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.sizing.along import (
     ACCELERATION,
@@ -36,7 +35,6 @@ from robodyn.sizing.along import (
     Bounds,
     PerJoint,
     bounds_of,
-    check_supported,
     inner,
 )
 from robodyn.sizing.path import Path, lines, read_path, spline
@@ -235,13 +233,10 @@ def retime(
     Accuracy: no limit is passed by more than 1e-9 of it at ten times the points of the grid; the duration is longer
         than the shortest by less than 1e-3 with 2000 intervals, 1e-6 of a double integrator.
     """
-    refuse_others(model, scene)
-    check_supported(model, scene)
     _check(profile, speed, blend, rate, grid, jerk)
     bounds = bounds_of(model, scene, acceleration, jerk, speed)
     points = read_path(path, model, scene, **reading)
-    exact = profile == "optimal" and blend is None
-    way = spline(points) if exact else lines(points, blend or 0.0, stopping=profile != "optimal")
+    way = spline(points) if profile == "optimal" and blend is None else lines(points, blend)
     try:
         _check_range(model, way, grid)
         if profile == "optimal":
@@ -260,15 +255,12 @@ def retime(
 
 
 def _check(profile: str, speed: float, blend: float | None, rate: float, grid: int, jerk: Any) -> None:
+    blended = blend is not None and profile != "optimal"
     wrong = [
         (profile not in PROFILES, f"no profile {shown(profile)}", f"one of {', '.join(PROFILES)}"),
         (not 0.0 < speed <= 1.0, f"speed is {100 * speed:g} %", "more than 0 %, at most 100 % of the velocity limits"),
         (blend is not None and not 0.0 <= blend < np.inf, f"blend is {blend}", "0 or more"),
-        (
-            blend is not None and profile != "optimal",
-            f"--blend does not go with {profile}",
-            "it stops at way-points",
-        ),
+        (blended, f"--blend does not go with {profile}", "it stops at way-points"),
         (jerk is not None and profile == "trapezoid", "a trapezoid has no limit of jerk", "--profile scurve"),
         (not 0.0 < rate < np.inf, f"rate is {rate:g}", "rows per second, positive"),
         (not 10 <= grid <= MOST_GRID, f"a grid of {grid} intervals", f"10 to {MOST_GRID}"),
@@ -313,15 +305,14 @@ def _fastest(along: Along) -> tuple[Floats, Floats]:
         intervals = Intervals(along.rows(x, kept), along.steps, along.most(kept))
         if (free := np.isinf(intervals.p).all(axis=(1, 2))).any():
             raise _free(along.path, float(along.s[int(free.argmax())]))
-        found = intervals.fastest()
-        if found.stuck is not None:
-            why = _stuck(along, found.stuck)
+        found, stuck = intervals.fastest()
+        if stuck is not None:
+            why = _stuck(along, stuck)
             if why.where["missing"] or x.max() < 1e-15:
                 raise why
             x = x / 16.0  # friction that grows with speed is less at a lower one
             continue
-        x = found.x
-        duration = _course(along, x).duration
+        x, duration = found, _course(along, x).duration
         settled, before = settled or abs(duration - before) <= 1e-5 * duration, duration
         if settled:
             used = along.uses(x)
@@ -329,13 +320,6 @@ def _fastest(along: Along) -> tuple[Floats, Floats]:
                 break
             kept = np.where(used > 1.0 + _ROUNDING, kept / (np.maximum(used, 1.0) * (1.0 + 10.0 * _ROUNDING)), kept)
     return kept, x
-
-
-def _pass(along: Along, x: Floats, kept: Floats) -> Floats:
-    found = Intervals(along.rows(x, kept), along.steps, along.most(kept)).fastest()
-    if found.stuck is not None:
-        raise _stuck(along, found.stuck)
-    return found.x
 
 
 def _free(path: Path, s: float) -> InputError:
@@ -421,10 +405,10 @@ def _within_jerk(along: Along, kept: Floats, x: Floats) -> Course:
         limits[ACCELERATION] = np.minimum(limits[ACCELERATION], np.maximum(softest, 1e-9 * softest.max()))
         along.bounds = replace(bounds, limits=limits)
         for _ in range(_SOFTER):
-            try:
-                x = _pass(along, x, softer)
-            except InfeasibleError:
+            found, stuck = Intervals(along.rows(x, softer), along.steps, along.most(softer)).fastest()
+            if stuck is not None:
                 break
+            x = found
             hard = _course(along, x, width)
             soft = hard.averaged(width)
             used = _uses(bounds, path, soft, *soft.fine(2))
@@ -515,22 +499,23 @@ def _result(bounds: Bounds, path: Path, course: Course, rate: float, profile: st
     shares = [Binding(names[f % n], LIMITS[f // n], float((leads == f).mean())) for f in range(flat.shape[1])]
     binding = ranked((one for one in shares if one.share_of_time > 0.0), lambda one: one.share_of_time)
     use = [{LIMITS[f]: float(used[f, :, i].max()) for f in np.flatnonzero(used[:, :, i].any(axis=1))} for i in range(n)]
-    warnings = tuple(_continuous(bounds, qd, qdd, tau))
-    at: dict[str, Any] = {
-        "time": time,
-        "q": q,
-        "qd": qd,
-        "qdd": qdd,
-        "tau": tau,
-        "row": path.row(course.at(time, k)[0]),
-    }
-    said: dict[str, Any] = {
-        "binding": tuple(binding),
-        "joints": tuple(map(JointUse, names, use)),
-        "used": used,
-        "warnings": warnings,
-    }
-    return Retimed(bounds.model, bounds.scene, profile, path, bounds.limits, **at, **said)
+    return Retimed(
+        bounds.model,
+        bounds.scene,
+        profile,
+        path,
+        bounds.limits,
+        time=time,
+        q=q,
+        qd=qd,
+        qdd=qdd,
+        tau=tau,
+        row=path.row(course.at(time, k)[0]),
+        binding=tuple(binding),
+        joints=tuple(map(JointUse, names, use)),
+        used=used,
+        warnings=tuple(_continuous(bounds, qd, qdd, tau)),
+    )
 
 
 def _continuous(bounds: Bounds, qd: Floats, qdd: Floats, tau: Floats) -> Iterator[str]:

@@ -232,12 +232,12 @@ def test_many_durations_are_those_of_drake(stem):
 def test_a_pass_is_that_of_a_linear_program():
     linprog = pytest.importorskip("scipy.optimize").linprog
     model, rng = real("ur5_robot"), np.random.default_rng(8)
-    path = spline(WayPoints(None, random_path(model, rng, 4), np.arange(1, 5), np.zeros(4)))
+    path = spline(WayPoints(random_path(model, rng, 4), np.arange(1, 5), np.zeros(4)))
     along = Along(bounds_of(model, Scene(), 10.0, None, 1.0), path, path.grid(60))
     n = len(along.steps)
     kept = np.ones((6, n, model.n))
     rows, most = along.rows(np.zeros(n + 1), kept), along.most(kept)
-    mine = Intervals(rows, along.steps, most).fastest()
+    mine, _ = Intervals(rows, along.steps, most).fastest()
     # u = (x' - x) / (2 step): all limits are lines in neighbouring x, of which the largest sum is wanted
     A, limit = [], []
     for k in range(n):
@@ -250,10 +250,10 @@ def test_a_pass_is_that_of_a_linear_program():
                 A.append(line)
                 limit.append(d)
     best = linprog(-np.ones(n + 1), A, limit, bounds=[(0.0, None if np.isinf(x) else x) for x in most])
-    speeds = np.sqrt(mine.x), np.sqrt(np.maximum(best.x, 0.0))
+    speeds = np.sqrt(mine), np.sqrt(np.maximum(best.x, 0.0))
     quick, quickest = (float((2.0 * along.steps / (v[1:] + v[:-1])).sum()) for v in speeds)
     assert quickest * (1.0 - 1e-9) <= quick <= quickest * (1.0 + 2e-5)  # less than all of an interval's is given away
-    assert np.abs(best.x - mine.x).max() <= 1e-3 * best.x.max()
+    assert np.abs(best.x - mine).max() <= 1e-3 * best.x.max()
 
 
 def test_the_panda_keeps_its_accelerations_through_uneven_corners():
@@ -366,7 +366,7 @@ def test_a_large_limit_of_jerk_costs_little():
 def test_the_spline_goes_through_its_points_with_even_accelerations():
     rng = np.random.default_rng(1)
     q = rng.normal(size=(7, 3))
-    path = spline(WayPoints(None, q, np.arange(1, 8), np.zeros(7)))
+    path = spline(WayPoints(q, np.arange(1, 8), np.zeros(7)))
     assert np.abs(path.at(path.marks, path.pieces(path.marks, np.array(0)))[0] - q).max() <= 1e-12
     left, right = (path.at(path.breaks[1:-1], np.arange(k, 5 + k)) for k in (0, 1))
     for a, b in zip(left[:3], right[:3], strict=True):
@@ -377,7 +377,7 @@ def test_the_spline_goes_through_its_points_with_even_accelerations():
 def test_blends_leave_lines_and_join_them_with_even_accelerations(radius):
     rng = np.random.default_rng(2)
     q = rng.normal(size=(6, 3))
-    path = lines(WayPoints(None, q, np.arange(1, 7), np.zeros(6)), radius)
+    path = lines(WayPoints(q, np.arange(1, 7), np.zeros(6)), radius)
     inner = np.arange(len(path.breaks) - 2)
     left, right = (path.at(path.breaks[1:-1], inner + k) for k in (0, 1))
     for a, b in zip(left[:3], right[:3], strict=True):

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from robodyn.report import document as doc
-from robodyn.report.charts import COLOURS, plane_chart, time_chart
+from robodyn.report.charts import plane_chart, time_chart
 from robodyn.report.table import first_names, gravity_text, number, printable
 from robodyn.sizing.along import LIMITS
 from robodyn.sizing.retime import BINDS, Retimed
@@ -60,8 +60,7 @@ def retime_page(found: Retimed, pictures: bool = True) -> doc.Document:
     blocks: list[doc.Block] = [replace(said, reasons=(*said.reasons, *found.warnings))]
     if found.feasible and pictures:
         blocks.append(_stage(found))
-        blocks += doc.titled("Along the path", doc.gallery([*_speed_charts(found), *_binding_chart(found)]))
-        blocks += doc.titled("Use of limits", doc.gallery(_use_charts(found)))
+        blocks += doc.titled("Along the path", doc.gallery([_path_chart(found), _use_chart(found)]))
     sections = [*retime_sections(found)][1:]
     data = [("retime.json", retime_json(found))]
     if found.feasible:
@@ -88,43 +87,28 @@ def _stage(found: Retimed) -> doc.Block:
     return stage.stage(words, [stage.robot(model, [motion])])
 
 
-def _speed_charts(found: Retimed) -> Iterator[doc.Chart]:
-    """Yield the speed along the path."""
-    pace = np.gradient(found.row, found.time) if found.samples > 2 else np.zeros(found.samples)
-    alt = f"Speed along the path over its rows, {number(float(pace.max()))} rows/s at the most"
-    lines = {"speed": (found.row, pace)}
-    yield plane_chart("Speed along the path", alt, "row of the path", "rows per second", lines=lines)
-
-
-def _binding_chart(found: Retimed) -> Iterator[doc.Chart]:
-    """Yield for each limit that binds, the most frequent on top, a line over the times at which it does."""
-    shown = found.binding[: len(COLOURS)]
-    most, lines = found.used.max(axis=(0, 2)), {}
-    for k, one in enumerate(shown):
+def _path_chart(found: Retimed) -> doc.Chart:
+    """Return the speed along the path, and on it in colours where which limit binds."""
+    pace, most = np.gradient(found.row, found.time), found.used.max(axis=(0, 2))
+    alt = f"Speed along the path over its rows, {number(float(pace.max()))} rows/s at the most; what binds where: "
+    lines = {"no limit binds": (found.row, pace)}
+    for one in found.binding[:_PLOTTED]:
         used = found.used[LIMITS.index(one.limit), :, found.model.joint_names.index(one.joint)]
         on = (used >= BINDS) & (used >= most * (1.0 - 1e-9))
-        time, level = np.where(on, (found.time, np.full(len(on), len(shown) - k)), np.nan)
-        lines[f"{printable(one.joint)}: {one.limit}, {100 * one.share_of_time:.3g} %"] = (time, level)
-    if lines:
-        alt = f"What binds over time, in the order of its share: {'; '.join(lines)}"
-        yield plane_chart(
-            "What binds when; shares of the time", alt, "time [s]", "the most frequent on top", lines=lines
-        )
+        lines[f"{printable(one.joint)}: {one.limit}"] = (found.row, np.where(on, pace, np.nan))
+    alt += ", ".join([*lines][1:]) or "nothing"
+    colours = {"no limit binds": "ink"}
+    axes = "row of the path", "speed [rows per second]"
+    return plane_chart("What binds where", alt, *axes, lines=lines, colours=colours)
 
 
-def _use_charts(found: Retimed) -> Iterator[doc.Chart]:
-    """Yield for each limit what joints use of it over time."""
-    rows = 1.0 + np.arange(float(found.samples))
-    for f, name in enumerate(LIMITS):
-        curves = {
-            printable(joint): 100.0 * found.used[f, :, i]
-            for i, joint in enumerate(found.model.joint_names[:_PLOTTED])
-            if found.used[f, :, i].any()
-        }
-        if curves:
-            most = ", ".join(f"{label} {number(float(each.max()))} %" for label, each in curves.items())
-            alt, levels = f"Use of the limits of {name} over time, at most: {most}", [(100.0, "limit")]
-            yield time_chart(f"{name} [% of limit]", alt, found.time, curves, "%", rows=rows, levels=levels)
+def _use_chart(found: Retimed) -> doc.Chart:
+    """Return what joints use of their limits over time, of the one that they use most."""
+    used = 100.0 * found.used.max(axis=0)
+    curves = {printable(joint): used[:, i] for i, joint in enumerate(found.model.joint_names[:_PLOTTED])}
+    most = ", ".join(f"{label} {number(float(each.max()))} %" for label, each in curves.items())
+    alt, rows = f"Use of limits over time, at most: {most}", 1.0 + np.arange(float(found.samples))
+    return time_chart("Use of limits [%]", alt, found.time, curves, "%", rows=rows, levels=[(100.0, "limit")])
 
 
 def retime_json(found: Retimed) -> str:
