@@ -333,16 +333,12 @@ def _course(along: Along, x: Floats, wait: float = 0.0) -> Course:
     lasts, stops = 2.0 * along.steps / (speed[1:] + speed[:-1]), np.flatnonzero(along.still)
     rests = along.path.dwell.copy()
     rests[1:-1] += wait
-    lasts, leg = np.insert(lasts, stops, rests), np.insert(along.leg, stops, _legs(along.path))
+    lasts = np.insert(lasts, stops, rests)
+    leg = np.insert(along.leg, stops, np.maximum(np.arange(len(stops)) - 1, 0))  # each stop ends one, but for the first
     # each stop is twice among the knots: where the rest begins, and where it ends, but for the last
     s, speed = (np.insert(each, stops, each[stops])[:-1] for each in (along.s, speed))
     u = np.insert(u, stops, 0.0)[:-1]
     return Course(lasts, s, speed, u, np.zeros(len(u)), leg)
-
-
-def _legs(path: Path) -> NDArray[np.int64]:
-    """Return the leg that each stop ends; the first has none, and is of that which it begins."""
-    return np.maximum(np.arange(len(path.stops)) - 1, 0)
 
 
 def _joined(path: Path, moves: list[Course]) -> Course:
@@ -430,6 +426,8 @@ def _move(bounds: Bounds, path: Path, k: int, profile: str) -> Course:
     Source: Biagiotti and Melchiorri, Trajectory Planning for Automatic Machines and Robots (2008), 3.2 and 3.4; an
     S-curve is the moving average of a trapezoid, over the time of its jerk.
     """
+    from scipy.optimize import brentq
+
     length, way = float(path.breaks[k + 1] - path.breaks[k]), np.abs(path.c[1, k])
     with np.errstate(divide="ignore"):
         fast, sharp, jerk = (float((each / way).min()) for each in (bounds.speed, *bounds.limits[[ACCELERATION, JERK]]))
@@ -448,24 +446,21 @@ def _move(bounds: Bounds, path: Path, k: int, profile: str) -> Course:
         u, leg = np.array([a, 0.0, -a, 0.0]), np.full(4, k)
         return Course(lasts, s, np.array([0.0, v, v, 0.0]), u, np.zeros(4), leg).averaged(a / j)
 
-    def keeps(a: float, v: float) -> bool:
+    def slack(a: float, v: float) -> float:
         one = course(a, v)
-        return bool(_uses(bounds, path, one, *one.fine(64))[EFFORT:JERK].max() <= 1.0)
+        return float(_uses(bounds, path, one, *one.fine(64))[EFFORT:JERK].max()) - 1.0
 
     if not np.isfinite(sharp) and not np.isfinite(bounds.limits[EFFORT]).any() and not bounds.trains:
         raise _free(path, float(path.breaks[k]))
     high, v = (sharp, fast) if np.isfinite(sharp) else (1e8 * length, min(fast, 1e4 * length))
-    if keeps(high, v):
+    if slack(high, v) <= 0.0:
         return course(high, v)
     low, slowest = 1e-12 * high, 1e-6 * v
-    while v > slowest and not keeps(low, v):
+    while v > slowest and slack(low, v) > 0.0:
         v *= 0.7
     if v <= slowest:
         raise _stuck(Along(bounds, path, np.linspace(path.breaks[k], path.breaks[k + 1], 200)), 0)
-    while high > low * (1.0 + 1e-10):
-        middle = float(np.sqrt(low * high)) if high > 2.0 * low else 0.5 * (low + high)
-        low, high = (middle, high) if keeps(middle, v) else (low, middle)
-    return course(low, v)
+    return course(float(np.exp(brentq(lambda e: slack(np.exp(e), v), np.log(low), np.log(high), xtol=1e-10))), v)
 
 
 def _settled(bounds: Bounds, path: Path, course: Course, rate: float) -> tuple[Course, Floats, Floats]:
