@@ -171,31 +171,19 @@ def lines(points: WayPoints, radius: float | None = None) -> Path:
     None: it stops at each way-point."""
     ways = np.diff(points.q, axis=0)
     lengths = np.linalg.norm(ways, axis=1)
-    along = ways / lengths[:, None]
-    s = np.concatenate(([0.0], np.cumsum(lengths)))
-    n = points.q.shape[1]
-    breaks, pieces, stops = [0.0], list[Floats](), [0]
+    along, s = ways / lengths[:, None], np.concatenate(([0.0], np.cumsum(lengths)))
+    turn = np.diff(along, axis=0)
+    straight = np.linalg.norm(turn, axis=1) < 1e-9
+    stopping = (points.dwell[1:-1] > 0.0) | (radius is None) | ((radius == 0.0) & ~straight)
     room = np.zeros(len(s))
-    for k in range(1, len(s) - 1):
-        straight = bool(np.linalg.norm(along[k] - along[k - 1]) < 1e-9)
-        if radius is None or points.dwell[k] or (radius == 0.0 and not straight):
-            stops.append(k)
-        elif not straight:
-            room[k] = min(radius, 0.5 * lengths[k - 1], 0.5 * lengths[k])
-    for k in range(len(lengths)):
-        begin, end = s[k] + room[k], s[k + 1] - room[k + 1]
-        if end - begin > 1e-12 * s[-1]:
-            piece = np.zeros((5, n))
-            piece[0], piece[1] = points.q[k] + room[k] * along[k], along[k]
-            pieces.append(piece)
-            breaks.append(float(end))
-        if (r := room[k + 1]) > 0.0:
-            piece, turn = np.zeros((5, n)), along[k + 1] - along[k]
-            piece[0], piece[1] = points.q[k + 1] - r * along[k], along[k]
-            piece[3], piece[4] = turn / (2.0 * r) ** 2, -turn / (2.0 * (2.0 * r) ** 3)
-            pieces.append(piece)
-            breaks.append(float(s[k + 1] + r))
-    stops.append(len(s) - 1)
-    breaks[-1] = float(s[-1])
-    c = np.stack(pieces, axis=1)
-    return Path(np.array(breaks), c, s, points.rows, s[stops], points.dwell[stops])
+    room[1:-1] = np.minimum(0.5 * np.minimum(lengths[:-1], lengths[1:]), radius or 0.0) * ~(stopping | straight)
+    # lines and corners in turn, those of no length too
+    c = np.zeros((5, 2 * len(lengths) - 1, points.q.shape[1]))
+    c[0, ::2], c[1, ::2] = points.q[:-1] + room[:-1, None] * along, along
+    r = np.where(room > 0.0, room, 1.0)[1:-1, None]
+    c[0, 1::2], c[1, 1::2] = points.q[1:-1] - r * along[:-1], along[:-1]
+    c[3, 1::2], c[4, 1::2] = turn / (2.0 * r) ** 2, -turn / (2.0 * (2.0 * r) ** 3)
+    breaks = np.column_stack((s - room, s + room)).ravel()[1:-1]
+    long = np.diff(breaks) > 1e-12 * s[-1]
+    kept = np.concatenate(([True], stopping, [True]))
+    return Path(np.append(breaks[:-1][long], s[-1]), c[:, long], s, points.rows, s[kept], points.dwell[kept])

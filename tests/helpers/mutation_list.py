@@ -380,7 +380,7 @@ PIECES = {
     ("sizing/test_retime.py", "sizing/path.py"): [("-turn / (2.0 * (2.0 * r) ** 3)", "-turn / ((2.0 * r) ** 3)")],
     ("sizing/test_retime.py", "sizing/retime.py"): [
         ("first * u + second * sd * sd", "first * u"),
-        ("a / j if given else ramp * rise", "0.5 * a / j if given else ramp * rise"),
+        ("np.hypot(a / j, 2.0 * np.sqrt(length / a))", "2.0 * np.sqrt(length / a)"),
         ("u, steps = (now - then) / width", "u, steps = now / width"),
         ("np.diff(knots) > 1e-7 * width", "np.diff(knots) > 0.0"),
     ],
