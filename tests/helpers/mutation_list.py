@@ -381,7 +381,7 @@ PIECES = {
     ("sizing/test_retime.py", "sizing/retime.py"): [
         ("first * u + second * sd * sd", "first * u"),
         ("np.hypot(a / j, 2.0 * np.sqrt(length / a))", "2.0 * np.sqrt(length / a)"),
-        ("u, steps = (now - then) / width", "u, steps = now / width"),
+        ("(now - then) / width", "now / width"),
         ("np.diff(knots) > 1e-7 * width", "np.diff(knots) > 0.0"),
     ],
     ("sizing/test_envelope.py", "sizing/directions.py"): [

@@ -237,6 +237,8 @@ def test_a_pass_is_that_of_a_linear_program():
     n = len(along.steps)
     kept = np.ones((6, n, model.n))
     rows, most = along.rows(np.zeros(n + 1), kept), along.most(kept)
+    for one, other in zip(*(along.rows(x * np.ones(n + 1), kept) for x in (0.5, 9.0)), strict=True):
+        assert np.abs(one - other).max() <= 1e-6 * np.abs(one).max()  # without friction they are lines everywhere
     mine, _ = Intervals(rows, along.steps, most).fastest()
     # u = (x' - x) / (2 step): all limits are lines in neighbouring x, of which the largest sum is wanted
     A, limit = [], []
