@@ -90,11 +90,6 @@ class JointChoices:
     def best(self) -> Choice | None:
         return self.choices[0] if self.feasible else None
 
-    @property
-    def nearest(self) -> Choice | None:
-        """The one that fails by least."""
-        return self.choices[self.feasible] if self.ruled_out else None
-
 
 @dataclass(frozen=True)
 class Catalogue:

@@ -289,7 +289,6 @@ MOTORS_TEMPLATE = """\
 # blanks, [rpm:N m]. - in place of a torque or a max_speed: not known, not judged (max_speed: the curve's end). Optional:
 # price, resistance and torque_constant for copper loss R (T / k)^2.
 name,inertia [kg cm^2],continuous_torque [rpm:N m],peak_torque [rpm:N m],max_speed [rpm],mass,price,resistance,torque_constant
-M 100,0.06,0:0.34 3000:0.32 5000:0.25,0:1.05 3500:1.05 5000:0.60,5000,0.46,150,1.3,0.071
 M 200,0.21,0:0.67 3000:0.64 5000:0.48,0:2.0 3500:2.0 5000:1.2,5000,0.82,190,0.95,0.10
 M 400,0.39,0:1.35 3000:1.27 5000:0.90,0:4.0 3500:4.0 5000:2.2,5000,1.2,240,0.62,0.14
 M 1500,3.9,0:5.2 3000:4.77 4000:3.9,0:15 2800:15 4000:9.0,4000,4.4,520,0.21,0.29
@@ -299,10 +298,8 @@ GEARS_TEMPLATE = """\
 # lead [m, mm]: way of a screw per turn, of prismatic joints. peak_torque and average_torque (cubic mean) at the output
 # [N m; N of a screw], inertia at the input. - for a limit: not known, not judged. A motor without gear: a ratio of 1.
 name,ratio,lead [mm],efficiency [%],peak_torque,average_torque,max_input_speed [rpm],inertia [kg cm^2],mass,price
-W 14,50 80 100,-,75,28,11,8500,0.033,0.24,520
 W 20,50 80 100 120 160,-,75,92,49,6500,0.19,0.52,700
 W 32,50 80 100 120 160,-,75,333,216,4800,1.7,1.8,1250
-S 20,-,20,90,4000,2000,4000,0.13,0.8,210
 S 50,-,50,92,5000,2500,4000,0.25,1.2,290
 direct,1,-,100,-,-,-,0,0,0
 """

@@ -38,7 +38,7 @@ def size_sections(found: Catalogue) -> Iterator[doc.Section]:
     rows = []
     for joint in found.joints:
         fails, nearest = ", ".join(f"{amount} by {name}" for name, amount in joint.ruled_out.items()), "-"
-        if miss := joint.nearest:
+        for miss in joint.choices[joint.feasible :][:1]:
             nearest = f"{_named(miss)}: {-100.0 * (miss.margins[miss.binding] or 0.0):.3g} % over its {miss.binding}"
         rows.append([joint.name, f"{joint.feasible} of {len(joint.choices)}", fails or "-", nearest])
     yield [doc.Table("What rules out the others", ("joint", "suffice", "fail most", "nearest miss"), rows)]
@@ -97,7 +97,7 @@ def _plane(joint: JointChoices) -> doc.Chart:
         label = f"{name} of {_named(best)}"
         lines[label], colours[label] = _curve(best, getattr(best.motor, f"{name}_torque"), reach, np.inf), colour
     others = joint.choices[1 : joint.feasible][:_CURVES], joint.choices[max(joint.feasible, 1) :][:_CURVES]
-    for some, colour, suffix in zip(others, ("good", "bad"), ("", " (does not suffice)"), strict=True):
+    for some, colour, suffix in zip(others, ("good", "bad"), ("", ": fails"), strict=True):
         for each in some:
             label = f"{_named(each)}{suffix}"
             lines[label], colours[label] = _curve(each, each.motor.peak_torque, reach, top), colour
