@@ -42,12 +42,9 @@ def command(
     trajectories: tuple[str, ...],
     catalog: str,
     gears: str | None,
-    by: str,
-    joints: tuple[str, ...],
-    masses_included: bool,
-    inertia_ratio: float | None,
     scene_out: str | None,
     init: bool,
+    **how: Any,
 ) -> int:
     """Choose for each joint the motor, gear and ratio of a catalogue that suffice along all motions: peak and RMS
     torque against their curves, speeds, peak and cubic mean of the gear. Motors load the joints before them: chosen
@@ -62,28 +59,27 @@ def command(
     from robodyn.support.files import write_whole
     from robodyn.trajectory.read import read_motion
 
-    tables = {catalog: MOTORS_TEMPLATE} | ({gears: GEARS_TEMPLATE} if gears else {})
     refuse_where((catalog == gears, "--catalog and --gears name one file"))
     check_names()
     for path in trajectories:
         expect(TABLE, path)
     model, scene = robot_in_scene(call, urdf)
+    written, tables = "", {catalog: MOTORS_TEMPLATE} | ({gears: GEARS_TEMPLATE} if gears else {})
     for path in tables if init else ():
         if path == STANDARD_INPUT or os.path.lexists(path):
             what = "--init writes a new file, and this one is there already"
             raise InputError(what, remedy="leave --init out, or name another file", file=path)
     for path in tables if init else ():
         write_whole(path, tables[path].encode())
-    chosen: dict[str, Any] = {"by": by, "joints": joints, "masses_included": masses_included}
+        written += f"\nwritten: {path}, invented numbers to begin with\n"
     with ExitStack() as stack:
         motions = [stack.enter_context(read_motion(path, model, scene, **call.reading)) for path in trajectories]
         try:
-            found = size(model, motions, catalog, gears, scene, inertia_ratio=inertia_ratio, **chosen)
+            found = size(model, motions, catalog, gears, scene, **how)
         except CatalogueError as error:
             for fault in error.faults[:-1]:
                 complain(fault)
             raise error.faults[-1] from None
-    written = "".join(f"\nwritten: {path}, invented numbers to begin with\n" for path in tables if init)
     if scene_out:
         write_whole(scene_out, found.toml.encode())
         written += f"\nwritten: {scene_out}, for robodyn torques --scene\n"

@@ -19,14 +19,13 @@ from robodyn.dynamics.effects.motors import rotor_of
 from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
 from robodyn.errors import InputError, SceneError, printable
 from robodyn.loads.sizing import LEAST, PIECE, allowed, points
-from robodyn.robot.limits import binding
 from robodyn.robot.model import Joint, Model
 from robodyn.scene.fit import check_scene, known, refuse_constraints
 from robodyn.scene.scene import DEFAULT, Curve, Motor, Payload, Rotor, Scene
-from robodyn.sizing.catalogue_tables import CatalogueGear, CatalogueMotor, read_gears, read_motors
+from robodyn.sizing.catalogue_tables import CatalogueGear, CatalogueMotor, read_rows
 from robodyn.support.floats import BEYOND, LARGEST, Floats, steady
 from robodyn.support.input_file import beyond, limits
-from robodyn.support.wording import figure, listed, shown, toml_key, toml_string
+from robodyn.support.wording import listed, shown, toml_key, toml_string
 from robodyn.trajectory.motion import Trajectory, join
 from robodyn.trajectory.plausible import refuse_units
 from robodyn.trajectory.read import TrajectoryReader, read_motion
@@ -35,7 +34,6 @@ Motion = Trajectory | TrajectoryReader | str | os.PathLike[str]
 BY = ("mass", "price", "loss")
 LIMITS = ("speed", "input speed", "peak torque", "RMS torque", "gear peak", "gear mean", "inertia ratio")
 """What a motor and a gear are judged by, in the order in which one is named of several that are exceeded alike."""
-NO_GEAR = CatalogueGear("", (1.0,), price=0.0)
 _SWEEPS = 8
 
 
@@ -91,11 +89,6 @@ class JointChoices:
     @property
     def best(self) -> Choice | None:
         return self.choices[0] if self.feasible else None
-
-    @property
-    def nearest(self) -> Choice | None:
-        """The one that fails by least."""
-        return self.choices[self.feasible] if self.ruled_out else None
 
 
 @dataclass(frozen=True)
@@ -261,7 +254,7 @@ def size(
     Raises:
         CatalogueError: all faults of the catalogues, with line and column.
         InputError: the scene does not fit the robot or has loops, contacts or passive joints; a motion is wrong; there
-            are too many pairs; nothing has what `by` asks for.
+            are too many pairs.
 
     Accuracy: uses of limits within 1e-9 of those of `torques` with the same motors in its scene.
     """
@@ -280,12 +273,12 @@ def size(
         raise InputError("no joint moves", remedy="describe the robot with joints")
     notes: list[str] = []
     if isinstance(motors, (str, os.PathLike)):
-        motors, said = read_motors(os.fspath(motors))
+        motors, said = read_rows(os.fspath(motors), CatalogueMotor)
         notes += said
     if isinstance(gears, (str, os.PathLike)):
-        gears, said = read_gears(os.fspath(gears))
+        gears, said = read_rows(os.fspath(gears), CatalogueGear)
         notes += said
-    notes += _ranks(motors, gears or (), by)
+    _refuse_many(motors, gears or ())
     given = [motions] if isinstance(motions, (str, os.PathLike, Trajectory, TrajectoryReader)) else list(motions)
     whole = [_whole(model, scene, each, notes) for each in given]
     if not whole:
@@ -301,8 +294,8 @@ def size(
         for k in order:
             joint = model.bodies[k].joint
             course, inertia = _course(model, bare.changed(payloads=tuple(masses.values())), whole, joint)
-            pairs = _pairs(joint, scene, motors, gears)
-            choices = [judged(course, inertia, *pair, inertia_ratio) for pair in pairs]
+            fit = _gears(joint, scene, gears)
+            choices = [judged(course, inertia, motor, *pair, inertia_ratio) for motor in motors for pair in fit]
             found[joint.name] = _ranked(joint, course, choices, by)
             masses.pop(joint.name, None)
             for first in found[joint.name].choices[:1]:
@@ -311,7 +304,7 @@ def size(
                     masses[joint.name] = Payload(link, first.mass, tuple(joint.p.tolist()))
         changed = masses != before
     results = tuple(found[joint.name] for joint in sized)
-    notes += [note for each, joint in zip(results, sized, strict=True) for note in _said(each, joint)]
+    notes += [note for each in results for note in _said(each, by)]
     if changed:
         notes.append(f"choices still change after {sweeps} sweeps: joints that mimic others carry motors")
     best = {joint.name: joint.best for joint in results if joint.best}
@@ -324,18 +317,10 @@ def size(
     return Catalogue(model.name, by, results, sweeps, not changed, tuple(notes), after, added)
 
 
-def _ranks(motors: Sequence[CatalogueMotor], gears: Sequence[CatalogueGear], by: str) -> list[str]:
-    """Refuse too many pairs, and ranks by what nothing has; return what is ranked last."""
-    pairs = len(motors) * max(1, sum(len(gear.ratios) for gear in gears))
+def _refuse_many(motors: Sequence[CatalogueMotor], gears: Sequence[CatalogueGear]) -> None:
+    pairs = len(motors) * sum(len(gear.ratios) for gear in gears)
     if pairs > limits().catalogue_pairs:
         raise beyond("catalogue_pairs", f"{pairs} motors with gears in a ratio", InputError)
-    column = "resistance" if by == "loss" else by
-    rows: list[CatalogueMotor | CatalogueGear] = [*motors, *gears]
-    silent = [row.name for row in rows if getattr(row, column, 0.0) is None]
-    if len(silent) == len(motors) + (len(gears) if by == "price" else 0):
-        columns = "resistance and torque_constant" if by == "loss" else by
-        raise InputError(f"nothing in the catalogue has a {by}", remedy=f"fill in {columns}, or rank by mass")
-    return [f"the {by} of {listed(silent)} is not known: ranked last"] if silent else []
 
 
 def _whole(model: Model, scene: Scene, motion: Motion, notes: list[str]) -> Trajectory:
@@ -374,21 +359,15 @@ def _course(model: Model, scene: Scene, motions: Sequence[Trajectory], joint: Jo
     return Course(parts), max(float(mass_matrix(model, q, scene=scene)[:, k, k].max()) for q in pieces)
 
 
-def _pairs(
-    joint: Joint, scene: Scene, motors: Sequence[CatalogueMotor], gears: Sequence[CatalogueGear] | None
-) -> list[tuple[CatalogueMotor, CatalogueGear, float]]:
-    """Return the motors, each with the gears in a ratio that go between it and a joint."""
+def _gears(joint: Joint, scene: Scene, gears: Sequence[CatalogueGear] | None) -> list[tuple[CatalogueGear, float]]:
+    """Return the gears in a ratio that go between a motor and a joint: without any, what the robot has."""
     slide = joint.kind == "prismatic"
     if gears is not None:
-        rotary = [(gear, ratio) for gear in gears for ratio in gear.ratios if bool(gear.lead) == slide]
-        fit = {"rotary": rotary, "linear": [(NO_GEAR, 1.0)] if slide else []}
-    else:
-        drive, rotor = scene.motor.get(joint.name, Motor()), scene.rotor.get(joint.name)
-        ratio = rotor_of(joint, scene)[1]
-        own = CatalogueGear("", (ratio,), None, drive.efficiency, drive.gear_peak, drive.gear_average, price=0.0)
-        geared = joint.reduction != 1.0 or (rotor is not None and rotor.gear is not None)
-        fit = {"rotary" if geared or not slide else "linear": [(own, ratio)] if ratio else []}
-    return [(motor, *pair) for motor in motors for pair in fit.get(motor.kind, ())]
+        return [(gear, ratio) for gear in gears for ratio in gear.ratios if bool(gear.lead) == slide]
+    drive, rotor = scene.motor.get(joint.name, Motor()), scene.rotor.get(joint.name, Rotor(None))
+    ratio, geared = rotor_of(joint, scene)[1], joint.reduction != 1.0 or rotor.ratio is not None
+    own = CatalogueGear("", (ratio,), None, drive.efficiency, drive.gear_peak, drive.gear_average, price=0.0)
+    return [(own, ratio)] if ratio and (geared or not slide) else []
 
 
 def _ranked(joint: Joint, course: Course, choices: Sequence[Choice], by: str) -> JointChoices:
@@ -400,16 +379,14 @@ def _ranked(joint: Joint, course: Course, choices: Sequence[Choice], by: str) ->
     return JointChoices(joint.name, unit, tuple(choices[k] for k in order), dict(failed.most_common()), course)
 
 
-def _said(found: JointChoices, joint: Joint) -> Iterator[str]:
+def _said(found: JointChoices, by: str) -> Iterator[str]:
     """Yield what the choice rests on."""
-    limit, best, course = binding(joint.effort), found.best, found.course
-    most = float(np.abs(course.load + (best.ratio**2 * best.inertia * course.qdd if best else 0.0)).max())
-    if limit is not None and most > BEYOND * limit:
-        yield f"{found.name} takes {figure(most)} {found.unit}, above its effort limit of {limit:g}"
     if not found.choices:
         yield f"{found.name}: the catalogue has no motor and gear that fit this joint"
-    elif not best:
+    elif not found.feasible:
         yield f"{found.name}: joints before it are judged with the mass of the nearest miss"
+    elif silent := sum(getattr(each, by) is None for each in found.choices[: found.feasible]):
+        yield f"{found.name}: the {by} of {silent} that suffice is not known: ranked last"
 
 
 def _motor(best: Choice) -> Motor:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import math
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import pi
@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal, NamedTuple, TypeVar, get_type_hints
 
 import numpy as np
 
-from robodyn.errors import InputError
+from robodyn.errors import InputError, unreadable
 from robodyn.loads.sizing import points
 from robodyn.scene.scene import Curve
 from robodyn.support.floats import BEYOND
@@ -32,7 +32,7 @@ _LEAST, _MOST = 1e-15, 1e15
 
 class _Column(NamedTuple):
     """A column: what its cells are, the units that its header may name with what they are in SI (the first without
-    any), whether a row must have it (a limit may be `UNKNOWN`), and from where on a number looks like another unit."""
+    any), whether a row must have it (a limit may be `UNKNOWN`), and above which number the header must name a unit."""
 
     cells: Literal["number", "curve", "numbers", "text"]
     units: dict[str, float] = {}  # noqa: RUF012
@@ -42,35 +42,37 @@ class _Column(NamedTuple):
 
 
 _SPEED = {"rad/s": 1.0, "rpm": pi / 30.0}
-_SPEEDS = {**_SPEED, "m/s": 1.0, "mm/s": 1e-3}
-_INERTIA = {"kg m^2": 1.0, "kg cm^2": 1e-4, "g cm^2": 1e-7}
-_TORQUE = {"N m": 1.0, "mN m": 1e-3, "N cm": 1e-2, "N": 1.0, "kN": 1e3}
-_NAME, _KIND, _PRICE = _Column("text"), _Column("text", needed=False), _Column("number", needed=False)
-_CURVE, _LOAD = _Column("curve", _TORQUE, limit=True), _Column("number", _TORQUE, limit=True)
+_TORQUE = {"N m": 1.0, "mN m": 1e-3, "N cm": 1e-2}
+_INERTIA = _Column("number", {"kg m^2": 1.0, "kg cm^2": 1e-4, "g cm^2": 1e-7}, doubtful=0.2)
+_FASTEST = _Column("number", _SPEED, limit=True, doubtful=2000.0)
+_CURVE, _LOAD = _Column("curve", _TORQUE, limit=True), _Column("number", {"N m": 1.0, "N": 1.0}, limit=True)
 _MASS = _Column("number", {"kg": 1.0, "g": 1e-3}, doubtful=300.0)
+_NAME, _PRICE = _Column("text"), _Column("number", needed=False)
 _R = _Column("number", {"ohm": 1.0, "mohm": 1e-3}, needed=False)
-_K = _Column("number", {"N m/A": 1.0, "mN m/A": 1e-3, "N/A": 1.0}, needed=False)
+_K = _Column("number", {"N m/A": 1.0, "mN m/A": 1e-3}, needed=False)
+
+
+def _fault(column: str, what: str, remedy: str) -> InputError:
+    return InputError(f"column {shown(column)}: {what}", remedy=remedy)
 
 
 @dataclass(frozen=True)
 class CatalogueMotor:
-    """A motor of a catalogue; speeds and torques at its shaft, rad/s and N m; of a linear motor m/s and N.
+    """A motor of a catalogue; speeds and torques at its shaft, rad/s and N m.
 
     Attributes:
-        inertia: of the rotor; of a linear motor the mass of what it moves beside the link [kg m^2, kg].
+        inertia: of the rotor [kg m^2].
         continuous_torque, peak_torque: for ever and for moments, one for all speeds or a curve; None: not judged.
         max_speed: None: where the curve of `peak_torque` ends.
-        kind: "rotary", or "linear": it pushes a slide without a gear.
         resistance, torque_constant: R and k, so that a torque T heats the winding with R (T / k)^2 [ohm, N m/A].
     """
 
     name: Annotated[str, _NAME]
-    inertia: Annotated[float, _Column("number", {**_INERTIA, "kg": 1.0}, doubtful=0.2)]
+    inertia: Annotated[float, _INERTIA]
     continuous_torque: Annotated[float | Curve | None, _CURVE]
     peak_torque: Annotated[float | Curve | None, _CURVE]
-    max_speed: Annotated[float | None, _Column("number", _SPEEDS, limit=True, doubtful=2000.0)]
+    max_speed: Annotated[float | None, _FASTEST]
     mass: Annotated[float, _MASS]
-    kind: Annotated[str, _KIND] = "rotary"
     price: Annotated[float | None, _PRICE] = None
     resistance: Annotated[float | None, _R] = None
     torque_constant: Annotated[float | None, _K] = None
@@ -79,6 +81,28 @@ class CatalogueMotor:
     def speed_limit(self) -> float | None:
         curve = self.peak_torque
         return curve[-1][0] if self.max_speed is None and isinstance(curve, tuple) else self.max_speed
+
+    def check(self) -> None:
+        """Refuse a row that contradicts itself."""
+        fast, continuous, peak = self.max_speed, self.continuous_torque, self.peak_torque
+        if (self.resistance is None) != (self.torque_constant is None):
+            empty = "resistance" if self.resistance is None else "torque_constant"
+            raise _fault(empty, "is empty", "the loss R (T / k)^2 takes resistance and torque_constant, or neither")
+        if fast is None and not isinstance(peak, tuple):
+            raise _fault("max_speed", "is not known", "write it, or peak_torque as a curve that ends there")
+        for name, curve in (("continuous_torque", continuous), ("peak_torque", peak)):
+            if isinstance(curve, tuple) and fast is not None:
+                end = curve[-1][0]
+                if end > 5.0 * fast or (name == "peak_torque" and end * _ROUNDED < fast):
+                    what = f"the curve ends at {end:g} rad/s, max_speed is {fast:g} rad/s"
+                    raise _fault(name, what, f"write it to its end, or name the unit of its speeds: {name} [rpm:N m]")
+        if continuous is not None and peak is not None:
+            (x, lasting), (places, most) = np.transpose(points(continuous)), np.transpose(points(peak))
+            speeds = np.union1d(x, places[places <= x[-1]])
+            torques, allowed = np.interp(speeds, x, lasting), np.interp(speeds, places, most)
+            for k in np.flatnonzero(torques > allowed * BEYOND)[:1]:
+                what = f"allows {torques[k]:g} at {speeds[k]:g} rad/s, and peak_torque {allowed[k]:g}"
+                raise _fault("continuous_torque", what, "are they swapped, or in different units?")
 
 
 @dataclass(frozen=True)
@@ -97,8 +121,8 @@ class CatalogueGear:
     efficiency: Annotated[float, _Column("number", {"1": 1.0, "%": 1e-2})] = 1.0
     peak_torque: Annotated[float | None, _LOAD] = None
     average_torque: Annotated[float | None, _LOAD] = None
-    max_input_speed: Annotated[float | None, _Column("number", _SPEED, limit=True, doubtful=2000.0)] = None
-    inertia: Annotated[float, _Column("number", _INERTIA, doubtful=0.2)] = 0.0
+    max_input_speed: Annotated[float | None, _FASTEST] = None
+    inertia: Annotated[float, _INERTIA] = 0.0
     mass: Annotated[float, _MASS] = 0.0
     price: Annotated[float | None, _PRICE] = None
 
@@ -106,6 +130,16 @@ class CatalogueGear:
     def ratios(self) -> tuple[float, ...]:
         """Turns of the motor per turn of the joint; of a screw 2 pi / lead [rad/m]."""
         return (2.0 * pi / self.lead,) if self.lead else self.ratio
+
+    def check(self) -> None:
+        """Refuse a row that contradicts itself."""
+        average, peak = self.average_torque, self.peak_torque
+        if bool(self.ratio) == bool(self.lead):
+            raise _fault("ratio", f"and lead are both {'given' if self.lead else 'empty'}", "give one")
+        if self.efficiency > 1.0:
+            raise _fault("efficiency", f"is {self.efficiency:g}", "a share above 0 and up to 1, or efficiency [%]")
+        if average is not None and peak is not None and average > peak:
+            raise _fault("average_torque", f"is {average:g}, and peak_torque {peak:g}", "are they swapped?")
 
 
 class CatalogueError(InputError):
@@ -117,85 +151,25 @@ class CatalogueError(InputError):
         super().__init__(f"{first.what}{more}", remedy=first.remedy, file=first.file, line=first.line)
 
 
-_LINEAR = {"N", "kN", "kg", "m/s", "mm/s", "N/A"}
-"""Units of what pushes, not turns."""
 _ZERO = ("inertia", "mass", "price")
 _HEADER = re.compile(r"([^\[\]]*?)\s*(?:\[([^\[\]]*)\])?")
 _POINTS = f"points speed:torque between blanks, at most {_MOST_POINTS}, of increasing speed, not all 0: 0:1.3 300:0.9"
 _Row = TypeVar("_Row", CatalogueMotor, CatalogueGear)
 
 
-def _fault(column: str, what: str, remedy: str) -> InputError:
-    return InputError(f"column {shown(column)}: {what}", remedy=remedy)
+def read_rows(path: str, kind: type[_Row]) -> tuple[tuple[_Row, ...], list[str]]:
+    """Return the rows of a CSV table, and notes on what is not judged; `-` is standard input.
 
-
-def read_motors(path: str) -> tuple[tuple[CatalogueMotor, ...], tuple[str, ...]]:
-    """Return the motors of a CSV table, and notes on it; `-` is standard input. CatalogueError: all rows at fault."""
-    return _read(path, CatalogueMotor, _check_motor)
-
-
-def read_gears(path: str) -> tuple[tuple[CatalogueGear, ...], tuple[str, ...]]:
-    """Return the gears of a CSV table, and notes on it; `-` is standard input. CatalogueError: all rows at fault."""
-    return _read(path, CatalogueGear, _check_gear)
-
-
-def _check_units(units: Mapping[str, str], names: Sequence[str], kind: str) -> None:
-    """Refuse a row of which columns are in units of the other kind."""
-    for name in names:
-        for unit in filter(None, units.get(name, "").split(":")):
-            if (unit in _LINEAR) != (kind == "linear"):
-                raise _fault(name, f"is in {unit}, and this is {kind}", "leave the unit out, and write SI units")
-
-
-def _check_gear(gear: CatalogueGear, units: Mapping[str, str]) -> None:
-    """Refuse a row that contradicts itself."""
-    average, peak = gear.average_torque, gear.peak_torque
-    if bool(gear.ratio) == bool(gear.lead):
-        raise _fault("ratio", f"and lead are both {'given' if gear.lead else 'empty'}", "give one")
-    _check_units(units, ("peak_torque", "average_torque"), "linear" if gear.lead else "rotary")
-    if gear.efficiency > 1.0:
-        raise _fault("efficiency", f"is {gear.efficiency:g}", "a share above 0 and up to 1, or efficiency [%]")
-    if average is not None and peak is not None and average > peak:
-        raise _fault("average_torque", f"is {average:g} N m, and peak_torque {peak:g}", "are they swapped?")
-
-
-def _check_motor(motor: CatalogueMotor, units: Mapping[str, str]) -> None:
-    """Refuse a row that contradicts itself."""
-    fast, continuous, peak = motor.max_speed, motor.continuous_torque, motor.peak_torque
-    if motor.kind not in ("rotary", "linear"):
-        raise _fault("kind", f"is {shown(motor.kind)}", "rotary or linear")
-    _check_units(units, ("inertia", "continuous_torque", "peak_torque", "max_speed", "torque_constant"), motor.kind)
-    if (motor.resistance is None) != (motor.torque_constant is None):
-        empty = "resistance" if motor.resistance is None else "torque_constant"
-        raise _fault(empty, "is empty", "the loss R (T / k)^2 takes resistance and torque_constant, or neither")
-    if fast is None and not isinstance(peak, tuple):
-        raise _fault("max_speed", "is not known", "write it, or peak_torque as a curve that ends there")
-    for name, curve in (("continuous_torque", continuous), ("peak_torque", peak)):
-        if isinstance(curve, tuple) and fast is not None:
-            end = curve[-1][0]
-            if end > 5.0 * fast or (name == "peak_torque" and end * _ROUNDED < fast):
-                what = f"the curve ends at {end:g} rad/s, max_speed is {fast:g} rad/s"
-                raise _fault(name, what, f"write it to its end, or name the unit of its speeds: {name} [rpm:N m]")
-    if continuous is not None and peak is not None:
-        (x, lasting), (places, most) = np.transpose(points(continuous)), np.transpose(points(peak))
-        speeds = np.union1d(x, places[places <= x[-1]])
-        torques, allowed = np.interp(speeds, x, lasting), np.interp(speeds, places, most)
-        for k in np.flatnonzero(torques > allowed * BEYOND)[:1]:
-            what = f"allows {torques[k]:g} at {speeds[k]:g} rad/s, and peak_torque {allowed[k]:g}"
-            raise _fault("continuous_torque", what, "are they swapped, or in different units?")
-
-
-def _read(
-    path: str, kind: type[_Row], check: Callable[[_Row, Mapping[str, str]], None]
-) -> tuple[tuple[_Row, ...], tuple[str, ...]]:
-    """Return the rows of a table, and what is doubtful or not judged; `check` takes a row and units of columns."""
+    Raises:
+        CatalogueError: all rows at fault.
+    """
     columns = {name: hint.__metadata__[0] for name, hint in get_type_hints(kind, include_extras=True).items()}
     file = "<stdin>" if path == "-" else path
-    lines = [(k, line) for k, line in enumerate(_text(path, file).split("\n"), 1) if line.strip()]
-    lines = [(k, line) for k, line in lines if not line.lstrip().startswith("#")]
+    numbered = enumerate(_text(path, file).split("\n"), 1)
+    lines = [(k, line) for k, line in numbered if line.strip() and not line.lstrip().startswith("#")]
     delimiter = next((mark for mark in ",;\t" if lines and mark in lines[0][1]), ",")
     found: dict[str, tuple[_Row, int]] = {}
-    faults, notes, units = list[InputError](), list[str](), dict[str, str]()
+    faults, units = list[InputError](), dict[str, str]()
     for line, text in lines:
         try:
             if "\ufffd" in text:
@@ -213,13 +187,8 @@ def _read(
             name, row = values["name"], kind(**values)
             if name in found:
                 raise _fault("name", f"{shown(name)} is in line {found[name][1]} too", "a name of its own for each")
-            check(row, units)
+            row.check()
             found[name] = row, line
-            for each in said:
-                if not units[each] and isinstance(values[each], float) and values[each] > columns[each].doubtful:
-                    own, other, *_ = columns[each].units
-                    doubt = f"{each} {words[each]} is taken in {own}; if it is not, name the unit in the header"
-                    notes.append(f"{file}: line {line}: {doubt}: {each} [{other}]")
         except (InputError, csv.Error) as error:
             remedy = "see that quotes are closed and cells short"
             fault = error if isinstance(error, InputError) else InputError(f"cannot be read: {error}", remedy=remedy)
@@ -235,9 +204,8 @@ def _read(
     rows = tuple(each for each, _ in found.values())
     judged = [name for name, known in columns.items() if known.limit and name != "max_speed"]
     silent = {name: [each.name for each in rows if getattr(each, name) is None] for name in judged}
-    if unjudged := "; ".join(f"{name} of {listed(own)}" for name, own in silent.items() if own):
-        notes.append(f"{file}: not known, and not judged: {unjudged}")
-    return rows, tuple(notes)
+    unjudged = "; ".join(f"{name} of {listed(own)}" for name, own in silent.items() if own)
+    return rows, [f"{file}: not known, and not judged: {unjudged}"] if unjudged else []
 
 
 def _text(path: str, file: str) -> str:
@@ -245,8 +213,7 @@ def _text(path: str, file: str) -> str:
     try:
         data = read_standard_input() if path == "-" else read_input(path, most + 1, typed=True)
     except (OSError, ValueError) as error:
-        why = (getattr(error, "strerror", None) or str(error)).lower()
-        raise InputError(f"cannot be read: {why}", remedy="check the name; --init writes one", file=path) from None
+        raise unreadable(error, file) from None
     if len(data) > most:
         raise beyond("catalogue_bytes", "too many bytes", InputError, file=file)
     return data.decode("utf-8-sig", errors="replace")
@@ -264,7 +231,7 @@ def _header(cells: Sequence[str], columns: dict[str, _Column]) -> dict[str, str]
         if name in units:
             raise InputError(f"column {shown(name)} stands twice", remedy="leave one of them out")
         speed, colon, own = (unit or "").rpartition(":")
-        fits = own in known.units and (not colon or (known.cells == "curve" and speed in _SPEEDS))
+        fits = own in known.units and (not colon or (known.cells == "curve" and speed in _SPEED))
         if unit is not None and name != "price" and not fits:
             of_curves = "; of curves such as [rpm:N m]" if known.cells == "curve" else ""
             raise _fault(name, f"unknown unit {shown(unit)}", f"units: {listed(known.units) or 'none'}{of_curves}")
@@ -287,9 +254,12 @@ def _value(name: str, known: _Column, cell: str, unit: str) -> Any:
     if known.cells == "numbers":
         return tuple(_number(name, word) for word in cell.split())
     speed, _, own = unit.rpartition(":")
-    pace, factor = _SPEEDS.get(speed, 1.0), known.units.get(own, 1.0)
+    pace, factor = _SPEED.get(speed, 1.0), known.units.get(own, 1.0)
     if known.cells == "number" or ":" not in cell:
-        return _number(name, cell) * factor
+        value = _number(name, cell)
+        if value > known.doubtful and not unit:
+            raise _fault(name, f"is {cell} in {next(iter(known.units))}", "if it is, name the unit in the header too")
+        return value * factor
     pairs = [word.split(":") for word in cell.split()]
     if any(len(pair) != 2 for pair in pairs) or len(pairs) > _MOST_POINTS:
         raise _fault(name, f"{shown(cell)} is no curve", _POINTS)
@@ -317,9 +287,8 @@ MOTORS_TEMPLATE = """\
 # Motors, one a row; numbers are invented. Units stand in the header, SI without: inertia [kg m^2, kg cm^2, g cm^2],
 # torques [N m, mN m], max_speed [rad/s, rpm]. A torque is one for all speeds, or a curve of speed:torque points between
 # blanks, [rpm:N m]. - in place of a torque or a max_speed: not known, not judged (max_speed: the curve's end). Optional:
-# kind (rotary; linear: N, m/s, kg for the inertia), price, resistance and torque_constant for copper loss R (T / k)^2.
+# price, resistance and torque_constant for copper loss R (T / k)^2.
 name,inertia [kg cm^2],continuous_torque [rpm:N m],peak_torque [rpm:N m],max_speed [rpm],mass,price,resistance,torque_constant
-M 100,0.06,0:0.34 3000:0.32 5000:0.25,0:1.05 3500:1.05 5000:0.60,5000,0.46,150,1.3,0.071
 M 200,0.21,0:0.67 3000:0.64 5000:0.48,0:2.0 3500:2.0 5000:1.2,5000,0.82,190,0.95,0.10
 M 400,0.39,0:1.35 3000:1.27 5000:0.90,0:4.0 3500:4.0 5000:2.2,5000,1.2,240,0.62,0.14
 M 1500,3.9,0:5.2 3000:4.77 4000:3.9,0:15 2800:15 4000:9.0,4000,4.4,520,0.21,0.29
@@ -329,10 +298,8 @@ GEARS_TEMPLATE = """\
 # lead [m, mm]: way of a screw per turn, of prismatic joints. peak_torque and average_torque (cubic mean) at the output
 # [N m; N of a screw], inertia at the input. - for a limit: not known, not judged. A motor without gear: a ratio of 1.
 name,ratio,lead [mm],efficiency [%],peak_torque,average_torque,max_input_speed [rpm],inertia [kg cm^2],mass,price
-W 14,50 80 100,-,75,28,11,8500,0.033,0.24,520
 W 20,50 80 100 120 160,-,75,92,49,6500,0.19,0.52,700
 W 32,50 80 100 120 160,-,75,333,216,4800,1.7,1.8,1250
-S 20,-,20,90,4000,2000,4000,0.13,0.8,210
 S 50,-,50,92,5000,2500,4000,0.25,1.2,290
 direct,1,-,100,-,-,-,0,0,0
 """

@@ -209,10 +209,10 @@ PIECES = {
         ("changed = masses != before", "changed = False"),
     ],
     ("sizing/test_catalogue_tables.py", "sizing/catalogue_tables.py"): [
-        ("_number(name, cell) * factor", "_number(name, cell)"),
+        ("return value * factor", "return value"),
         ("end * _ROUNDED < fast", "False"),
         ("torques > allowed * BEYOND", "torques > allowed[0]"),
-        ('(unit in _LINEAR) != (kind == "linear")', "False"),
+        ("value > known.doubtful and not unit", "False"),
     ],
     ("loads/test_sizing_report.py", "loads/sizing.py"): [
         ("tau - (train.gear * train.gear * train.inertia) * qdd", "tau"),

@@ -35,7 +35,7 @@ def motions(a_model, count=2, rows=160):
 
 def drawn(a_model, count, ratios, seed=0, scale=20.0):
     """A catalogue of so many motors, and gears, about the size that a robot takes: curves with and without bends, also
-    such as rise, unknown limits, screws and linear motors."""
+    such as rise, unknown limits, and screws."""
     rng = np.random.default_rng(seed)
 
     def curve(torque, speed):
@@ -52,13 +52,10 @@ def drawn(a_model, count, ratios, seed=0, scale=20.0):
     motors = []
     for k in range(count):
         torque, speed = 10 ** rng.uniform(-1.5, 1.0), rng.uniform(100, 700)
-        linear = k % 10 == 9
-        torque, speed = (torque * 100, rng.uniform(0.5, 5)) if linear else (torque, speed)
-        inertia = rng.uniform(0, 1) * (2.0 if linear else 1e-4 * torque)
+        inertia = rng.uniform(0, 1) * 1e-4 * torque
         cells = (inertia, curve(0.4 * torque, speed), curve(torque, speed), speed, rng.uniform(0.1, 0.4) * scale / 10)
-        kind = "linear" if linear else "rotary"
         price = float(rng.integers(20, 60))
-        motors.append(CatalogueMotor(f"m{k}", *cells, kind, price, rng.uniform(0.1, 2), rng.uniform(0.02, 0.3)))
+        motors.append(CatalogueMotor(f"m{k}", *cells, price, rng.uniform(0.1, 2), rng.uniform(0.02, 0.3)))
     gears = []
     for k in range(max(1, ratios // 5)):
         peak = 10 ** rng.uniform(0.5, 2.5)
@@ -114,11 +111,9 @@ def plain(parts, motor, gear, ratio):
     return {name: max(values) for name, values in found.items() if values}, max(losses)
 
 
-def fitting(joint, motor, gears):
+def fitting(joint, gears):
     """The gears, each in a ratio, that go between a motor and a joint."""
     slide = joint.kind == "prismatic"
-    if motor.kind == "linear":
-        return [(CatalogueGear("", (1.0,), None, 1.0), 1.0)] if slide else []
     both = ((gear, ratio) for gear in gears for ratio in ([2 * np.pi / gear.lead] if gear.lead else gear.ratio))
     return [(gear, ratio) for gear, ratio in both if bool(gear.lead) == slide]
 
@@ -136,7 +131,7 @@ def brute(a_model, some_motions, motors, gears):
             parts.append((each.time, tau[:, joint.rate], each.qd[:, joint.rate], each.qdd[:, joint.rate]))
         pairs = {}
         for motor in motors:
-            for gear, ratio in fitting(joint, motor, gears):
+            for gear, ratio in fitting(joint, gears):
                 pairs[motor.name, gear.name, ratio] = (*plain(parts, motor, gear, ratio), motor.mass + gear.mass)
         enough = [key for key, (uses, _, _) in pairs.items() if max(uses.values()) <= 1 + TOLERANCE]
         some = enough or [min(pairs, key=lambda key: max(pairs[key][0].values()))]

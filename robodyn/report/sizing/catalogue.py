@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 
-from robodyn.loads.sizing import points
+from robodyn.loads.sizing import allowed
 from robodyn.report import document as doc
 from robodyn.report.charts import plane_chart
 from robodyn.report.sizes import speed_unit
@@ -19,7 +18,7 @@ from robodyn.support.wording import count
 
 SHOWN = 3
 """Choices of each joint in text."""
-_CURVES, _STEPS, _POINTS = 10, 24, 1500
+_CURVES, _STEPS, _POINTS = 6, 49, 1500
 """Candidates that suffice, and that do not, whose curves are drawn; points of each, and of the load."""
 _SHARES = ("speed", "input", "peak", "RMS", "gear peak", "gear mean", "of the ratio")
 """As heads of columns, what `LIMITS` are."""
@@ -39,7 +38,7 @@ def size_sections(found: Catalogue) -> Iterator[doc.Section]:
     rows = []
     for joint in found.joints:
         fails, nearest = ", ".join(f"{amount} by {name}" for name, amount in joint.ruled_out.items()), "-"
-        if miss := joint.nearest:
+        for miss in joint.choices[joint.feasible :][:1]:
             nearest = f"{_named(miss)}: {-100.0 * (miss.margins[miss.binding] or 0.0):.3g} % over its {miss.binding}"
         rows.append([joint.name, f"{joint.feasible} of {len(joint.choices)}", fails or "-", nearest])
     yield [doc.Table("What rules out the others", ("joint", "suffice", "fail most", "nearest miss"), rows)]
@@ -90,40 +89,30 @@ def _plane(joint: JointChoices) -> doc.Chart:
     course, best = joint.course, joint.choices[0]
     rows = slice(None, None, -(-len(course.load) // _POINTS))
     at_motor = np.abs(best.ratio**2 * best.inertia * course.qdd + course.geared(best.gear.efficiency)[0])[rows]
-    pace, first = course.speed[rows], "best" if joint.best else "nearest miss"
-    with_rotor = f"with the rotor of the {first}"
-    dots: dict[str, Any] = {"load": (pace, np.abs(course.load[rows])), with_rotor: (pace, at_motor)}
-    colours, lines, names = {"load": "soft", with_rotor: "ink"}, dict[str, Any](), dict[str, list[str]]()
+    pace, with_rotor = course.speed[rows], f"with the rotor of the {'best' if joint.best else 'nearest miss'}"
+    dots = {"load": (pace, np.abs(course.load[rows])), with_rotor: (pace, at_motor)}
+    colours, lines = {"load": "soft", with_rotor: "ink"}, dict[str, tuple[Floats, Floats]]()
     reach, top = 3.0 * course.max_speed, 3.0 * max(course.peak, float(at_motor.max()))
-    others = joint.choices[1 : joint.feasible], joint.choices[max(joint.feasible, 1) :]
-    for label, some, colour in (("others that suffice", others[0], "good"), ("do not suffice", others[1], "bad")):
-        curves = [(_named(each), _curve(each, each.motor.peak_torque, reach, top)) for each in some[:_CURVES]]
-        curves = [(name, curve) for name, curve in curves if np.isfinite(curve[1]).any()]
-        if curves:
-            gap, ends = np.full((2, 1), np.nan), f"names of: {label}"
-            lines[label] = tuple(np.hstack([part for _, curve in curves for part in (curve, gap)]))
-            names[ends] = [name for name, _ in curves]
-            dots[ends] = tuple(np.transpose([curve[:, np.isfinite(curve[1])][:, -1] for _, curve in curves]))
-            colours |= {label: colour, ends: colour}
     for name, colour in (("peak", "c1"), ("continuous", "c2")):
         label = f"{name} of {_named(best)}"
-        lines[label] = tuple(_curve(best, getattr(best.motor, f"{name}_torque"), reach, np.inf))
-        colours[label] = colour
+        lines[label], colours[label] = _curve(best, getattr(best.motor, f"{name}_torque"), reach, np.inf), colour
+    others = joint.choices[1 : joint.feasible][:_CURVES], joint.choices[max(joint.feasible, 1) :][:_CURVES]
+    for some, colour, suffix in zip(others, ("good", "bad"), ("", ": fails"), strict=True):
+        for each in some:
+            label = f"{_named(each)}{suffix}"
+            lines[label], colours[label] = _curve(each, each.motor.peak_torque, reach, top), colour
     words = f"{joint.name}: {_named(best)}" if joint.best else f"{joint.name}: nothing suffices"
     alt = f"Torque over speed at {joint.name} and curves of motors times the ratio; {joint.feasible} suffice"
     axes = f"speed [{speed_unit(joint.unit)}]", f"torque [{joint.unit}]"
-    return plane_chart(words, alt, *axes, dots=dots, lines=lines, colours=colours, names=names)
+    return plane_chart(words, alt, *axes, dots=dots, lines=lines, colours=colours)
 
 
-def _curve(each: Choice, torque: float | Curve | None, reach: float, top: float) -> Floats:
-    """Return (2, P) speed and torque at the joint of a motor's curve, up to a speed; nan above a torque."""
-    if torque is None:
-        return np.full((2, 1), np.nan)
-    G, knots = abs(each.ratio), np.array(points(torque)).T
-    end = min(each.motor.speed_limit or np.inf, reach * G)
-    speeds = np.unique([*np.linspace(0.0, end, _STEPS), *knots[0][knots[0] < end]])
-    torques = G * np.interp(speeds, *knots)
-    return np.array([speeds / G, np.where(torques <= top, torques, np.nan)])
+def _curve(each: Choice, torque: float | Curve | None, reach: float, top: float) -> tuple[Floats, Floats]:
+    """Return speed and torque at the joint of a motor's curve, up to a speed; nan above a torque."""
+    G = abs(each.ratio)
+    speeds = np.linspace(0.0, min(each.motor.speed_limit or np.inf, reach * G), _STEPS)
+    torques = G * allowed(torque, speeds)
+    return speeds / G, np.where(torques <= top, torques, np.nan)
 
 
 def size_json(found: Catalogue) -> str:
