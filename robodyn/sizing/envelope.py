@@ -417,7 +417,7 @@ class _Search:
     def sampled(self, found: Mapping[Key, Load], count: int) -> Sampled:
         """Hold random poses against the bounds."""
         random, which, shares = np.random.default_rng(0), np.arange(len(self.keys)), np.zeros(len(self.keys))
-        most, self.poses.expected = np.array([found[key].bound or inf for key in self.keys]), count
+        most = np.array([found[key].bound or inf for key in self.keys])
         for start in range(0, count, _BLOCK):
             q = self.low + random.random((min(_BLOCK, count - start), self.model.nq)) * (self.high - self.low)
             sizes = np.sqrt((self.poses.parts(which, q[None]) ** 2).sum(axis=2))
