@@ -162,11 +162,6 @@ class Envelope:
         """The joints beyond a limit in their worst pose."""
         return tuple(x for x in self.joints if x.limit is not None and abs(x.load.value) > BEYOND * x.limit)
 
-    @property
-    def gap(self) -> float:
-        """The largest gap of a joint's torque."""
-        return max((joint.load.gap for joint in self.joints), default=0.0)
-
 
 def envelope(
     model: Model,
