@@ -162,11 +162,6 @@ class Envelope:
         """The joints beyond a limit in their worst pose."""
         return tuple(x for x in self.joints if x.limit is not None and abs(x.load.value) > BEYOND * x.limit)
 
-    @property
-    def gap(self) -> float:
-        """The largest gap of a joint's torque."""
-        return max((joint.load.gap for joint in self.joints), default=0.0)
-
 
 def envelope(
     model: Model,
@@ -417,7 +412,7 @@ class _Search:
     def sampled(self, found: Mapping[Key, Load], count: int) -> Sampled:
         """Hold random poses against the bounds."""
         random, which, shares = np.random.default_rng(0), np.arange(len(self.keys)), np.zeros(len(self.keys))
-        most, self.poses.expected = np.array([found[key].bound or inf for key in self.keys]), count
+        most = np.array([found[key].bound or inf for key in self.keys])
         for start in range(0, count, _BLOCK):
             q = self.low + random.random((min(_BLOCK, count - start), self.model.nq)) * (self.high - self.low)
             sizes = np.sqrt((self.poses.parts(which, q[None]) ** 2).sum(axis=2))

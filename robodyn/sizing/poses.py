@@ -37,9 +37,9 @@ class Poses:
             keys,
             frozenset((what, k) for what in ("qd", "qdd") for k in range(model.n)),
         )
-        self.expected = 0  # poses in all, by which the executor is chosen
         scenes = [scene, *([replace(scene, payloads=(*scene.payloads, extra))] if extra else [])]
-        self._runners = [ready(_wrenches, plan(model, each, still)) for each in scenes]
+        program = Plan.torques if all(key.what == "torque" for key in keys) else _wrenches
+        self._runners = [ready(program, plan(model, each, still)) for each in scenes]
         columns, across = [], []
         for what, place in keys:
             first = place if what == "torque" else model.n + 6 * place + (0 if what == "radial" else 3)
@@ -53,7 +53,7 @@ class Poses:
         nq): a torque and 0, or x and y of a moment or force."""
         flat, zero = q.reshape(-1, q.shape[-1]), np.zeros((q[..., 0].size, self.model.n))
         sources = {"q": flat, "qd": zero, "qdd": zero, "columns": np.empty((len(flat), 0))}
-        outputs = [each(sources, len(flat), expected=self.expected) for each in self._runners]
+        outputs = [each(sources, len(flat)) for each in self._runners]
         found = outputs[0] if len(outputs) == 1 else outputs[0] + times * (outputs[1] - outputs[0])
         picked = np.take_along_axis(found.reshape(*q.shape[:-1], -1), self._columns[which][:, None], axis=2)
         return np.asarray((picked[:, :, None] * self._across[which][:, None]).sum(axis=-1))
@@ -80,7 +80,6 @@ class Poses:
         ways = [(cos(angle), sin(angle)) for angle in np.linspace(0.0, 2.0 * np.pi, starts, endpoint=False)]
         best = np.stack([first_of_ties((parts * way).sum(axis=2)) for way in ways], axis=1)
         noise = _NOISE * float(_length(parts).max())
-        self.expected = 20 * len(moving) * len(which) * starts
         moved = np.repeat(random[:1], len(moving) + 1, axis=0)
         moved[np.arange(len(moving)), moving] = random[1, moving]
         changed = self.parts(which, moved[None], times)
@@ -102,7 +101,7 @@ class Poses:
                 there = found[np.arange(len(free)), chosen]
                 take = there > values[free] + np.where(np.ptp(found, axis=1) <= noise, -noise, noise)
                 q[free[take], k], values[free[take]] = tried[take, chosen[take], k], there[take]
-            active = values > before + noise
+            active = values > before + 100.0 * noise
             if sweep >= 2:
                 active &= values >= np.repeat(values.reshape(-1, starts).max(axis=1), starts) - noise
             if not active.any():
@@ -118,8 +117,8 @@ class Poses:
         tried = np.repeat(q[:, None], 4, axis=1)
         tried[:, 1, k] += step
         tried[:, 2, k] -= step
-        parts = self.parts(which, tried[:, :3], times)
-        here, after, before = (parts * parts[:, :1]).sum(axis=2).T
+        parts = self.parts(which, tried, times)  # as many as will be tried: a workspace fits calls of one size
+        here, after, before, _ = (parts * parts[:, :1]).sum(axis=2).T
         turn = arctan2((after - before) / (2.0 * sin(step)), (2.0 * here - after - before) / (2.0 - 2.0 * cos(step)))
         there = q[:, k] + turn
         there += 2.0 * np.pi * ((there < low) * 1.0 - (there > high))

@@ -183,7 +183,7 @@ def test_drawn_trees_exceed_no_bound(seeds: range) -> None:
 def test_random_poses_of_real_robots_exceed_no_bound(stem: str) -> None:
     found = envelope(load(path_of(stem)), samples=10_000)
     hold(found)
-    assert found.gap <= 0.005
+    assert max(one.load.gap for one in found.joints) <= 0.005
 
 
 @pytest.mark.slow
@@ -191,7 +191,7 @@ def test_random_poses_of_real_robots_exceed_no_bound(stem: str) -> None:
 def test_a_million_random_poses_of_real_robots_exceed_no_bound(stem: str) -> None:
     found = envelope(load(path_of(stem)), samples=1_000_000)
     hold(found)
-    assert found.gap <= 0.01
+    assert max(one.load.gap for one in found.joints) <= 0.01
     assert all(max(one.tilting.gap, one.radial.gap) <= 0.01 for one in found.joints)
     assert found.tipping.gap <= 0.01
 
@@ -269,7 +269,7 @@ def test_poses_of_joints_that_turn_together_are_looked_for_in_pieces(seed: int, 
     model, scene, _ = drawn(seed)
     found = envelope(model, scene, samples=2000)
     hold(found)
-    assert found.gap <= gap
+    assert max(one.load.gap for one in found.joints) <= gap
 
 
 def test_box_motor_spring_and_base_count() -> None:
