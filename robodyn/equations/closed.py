@@ -71,7 +71,7 @@ def total(a: Polynomial, b: Polynomial, sign: float = 1.0) -> Polynomial:
 
 
 def wave(kind: str, angle: Angle) -> Polynomial:
-    turned, sign = _upright(kind, angle)
+    turned, sign = upright(kind, angle)
     if not turned:
         return constant(1.0) if kind == "cos" else {}
     return {Key((), kind, turned): Coefficient(sign, 1.0)}
@@ -97,7 +97,7 @@ def _waves(left: Key, right: Key) -> list[tuple[str, Angle, float]]:
     if not left.angle or not right.angle:
         other = left if left.angle else right
         return [(other.wave, other.angle, 1.0)]
-    sum_of, difference = _combined(left.angle, right.angle, 1.0), _combined(left.angle, right.angle, -1.0)
+    sum_of, difference = combined_angles(left.angle, right.angle, 1.0), combined_angles(left.angle, right.angle, -1.0)
     if left.wave == right.wave:
         share = 0.5 if left.wave == "cos" else -0.5
         pairs = [("cos", difference, 0.5), ("cos", sum_of, share)]
@@ -105,19 +105,19 @@ def _waves(left: Key, right: Key) -> list[tuple[str, Angle, float]]:
         pairs = [("sin", sum_of, 0.5), ("sin", difference, 0.5 if left.wave == "sin" else -0.5)]
     out = []
     for kind, angle, share in pairs:
-        turned, sign = _upright(kind, angle)
+        turned, sign = upright(kind, angle)
         if turned or kind == "cos":
             out.append((kind, turned, sign * share))
     return out
 
 
-def _combined(a: Angle, b: Angle, sign: float) -> Angle:
+def combined_angles(a: Angle, b: Angle, sign: float) -> Angle:
     width = max(len(a), len(b))
     padded = zip(a + (0.0,) * (width - len(a)), b + (0.0,) * (width - len(b)), strict=True)
     return tuple(x + sign * y for x, y in padded)
 
 
-def _upright(kind: str, angle: Angle) -> tuple[Angle, float]:
+def upright(kind: str, angle: Angle) -> tuple[Angle, float]:
     """Return the angle with its first multiple positive and without zeros at its end, and the sign of the wave."""
     width = max((k + 1 for k, x in enumerate(angle) if x), default=0)
     angle = angle[:width]
@@ -139,6 +139,11 @@ class Forms:
         self._symbols, self._left = symbols, products
         self._generators: dict[Any, int] = {symbol: k for k, symbol in enumerate(symbols.values())}
         self._rates = {symbol for (source, _), symbol in symbols.items() if source != "q"}
+
+    @property
+    def generators(self) -> list[Any]:
+        """The symbols, then what became a generator on the way."""
+        return list(self._generators)
 
     def outputs(self, program: Program) -> list[Polynomial]:
         values: list[Polynomial] = []
