@@ -10,14 +10,14 @@ import math
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
-from robodyn.dynamics.effects.effect import Effect, Sample, Terms
+from robodyn.dynamics.effects.effect import Effect, Sample
 from robodyn.dynamics.plan import Plan, applied, at_rest, loads
-from robodyn.equations.closed import Angle, Forms, Polynomial, combined_angles, module, number, upright
+from robodyn.equations.closed import PRODUCTS, Angle, Forms, Polynomial, combined_angles, module, number, upright
 from robodyn.equations.ode import bias_plan
 from robodyn.errors import InputError
 from robodyn.programs.derivative import jacobian
@@ -38,6 +38,8 @@ MEANINGS = {
     "I": "inertia of {} about its mass centre, {} [kg m^2]",
     "g": "gravity [m/s^2]",
 }
+FACTORED = 10
+"""Terms of a sum that is factored, if it can be."""
 ROUNDING = 1e-12
 """Numbers are equal, or zero, within this part of the largest of their vector or matrix."""
 SOURCE = "letters"
@@ -224,6 +226,16 @@ class Lettered:
         """Return the program of scalars that are made of a sample."""
         return trace(lambda tape: outputs(tape, self.sample(tape)))
 
+    def written(self, program: Program, allowed: int = PRODUCTS) -> list[Any]:
+        """Return the outputs of a program as SymPy expressions, each by itself.
+
+        Raises: TooLargeError where more products of terms would be formed than are allowed.
+        """
+        forms = Forms(self.symbols, allowed)
+        found = forms.outputs(program)
+        writer = Writer(forms, self)
+        return [writer.expression(form) for form in found]
+
     def mass(self) -> Program:
         """M, row by row: the derivative of the torques by the accelerations."""
 
@@ -321,9 +333,17 @@ class Writer:
             terms.append(whole if mass is None else self._symbols[mass] * whole)
         return number(scale) * self.monomial(common.elements()), sympy.Add(*terms)
 
-
-FACTORED = 10
-"""Terms of a sum that is factored, if it can be."""
+    def expression(self, form: Polynomial, names: Mapping[Any, Any] = MappingProxyType({})) -> Any:
+        """Return the SymPy expression of a form; `names` are symbols for sums that are written once, elsewhere."""
+        sympy = module()
+        groups = []
+        for rates, shapes in self.grouped(form).items():
+            terms = []
+            for shape, polynomial in shapes.items():
+                factor, whole = self.coefficient(polynomial)
+                terms.append(factor * names.get(whole, whole) * self.shape(shape))
+            groups.append(self.monomial(rates) * sympy.Add(*terms))
+        return sympy.Add(*groups)
 
 
 def products(waves: Mapping[Wave, float]) -> dict[tuple[Wave, ...], float]:
