@@ -22,6 +22,7 @@ from robodyn.equations.forms import (
     Writer,
     expressions,
     module,
+    named,
 )
 from robodyn.equations.letters import Letter, Lettered
 from robodyn.equations.ode import check_equations, identifiers, units_of
@@ -119,13 +120,13 @@ def closed(
     for effect in lettered.plan.effects:
         if effect.name != "mimic":
             parts[effect.name] = _Part(lettered, lettered.share(effect), units, products)
-    constants = _constants(parts.values())
-    entries = {name: part.entries(constants) for name, part in parts.items()}
+    named_by, constants = _constants(parts.values())
+    entries = {name: part.entries(named_by, constants) for name, part in parts.items()}
     upper = iter(entries.pop("M"))
     triangle = {(i, j): next(upper) for i in range(n) for j in range(i, n)}
     used = set[Any]().union(*(x.free_symbols for part in (triangle.values(), *entries.values()) for x in part))
-    constants = {whole: symbol for whole, symbol in constants.items() if symbol in used}
-    used = used.union(*(whole.free_symbols for whole in constants))
+    for symbol in reversed(constants):
+        used |= constants[symbol].free_symbols if symbol in used else set()
     names = {} if symbols else _by_joint(model, lettered)
     places = [k for joint in model.independent for k in ([-1] * 6 if joint.kind == "floating" else [joint.coordinate])]
     q, *rates = (
@@ -141,7 +142,7 @@ def closed(
         qd=rates[0],
         qdd=rates[1],
         symbols=tuple(x for k, x in enumerate(lettered.letters) if lettered.symbols[LETTERS, k] in used),
-        constants={symbol: whole for whole, symbol in constants.items()},
+        constants={symbol: whole for symbol, whole in constants.items() if symbol in used},
         M=tuple(tuple(triangle[min(i, j), max(i, j)].xreplace(names) for j in range(n)) for i in range(n)),
         bias={name: tuple(x.xreplace(names) for x in part) for name, part in entries.items()},
         plain=sum(part.plain for part in parts.values()),
@@ -195,17 +196,17 @@ class _Part:
             kept = {key: _snapped(entry) for key, entry in form.items() if abs(entry.value) >= least}
             self.sums.append(self._writer.sums(kept))
 
-    def entries(self, constants: Mapping[Any, Any]) -> list[Any]:
-        """Return the outputs with symbols for the constants, each checked at random states."""
-        symbols, written = self._lettered.symbols, {symbol: whole for whole, symbol in constants.items()}
+    def entries(self, names: Mapping[Any, Any], constants: Mapping[Any, Any]) -> list[Any]:
+        """Return the outputs with names for what occurs often, each checked at random states."""
+        symbols = self._lettered.symbols
         states, numbers = self._states()
         columns = list(symbols.values())
-        for symbol, whole in written.items():
+        for symbol, whole in constants.items():
             states.append(module().lambdify(columns, whole, "numpy")(*states))
             columns.append(symbol)
         out: list[Any] = [None] * len(self._units)
         for k, sums in enumerate(self.sums):
-            expression = self._writer.assembled(sums, constants)
+            expression = self._writer.assembled(sums, names)
             off = np.abs(module().lambdify(columns, expression, "numpy")(*states) - numbers[:, k])
             alike = np.abs(numbers[:, [i for i, unit in enumerate(self._units) if unit == self._units[k]]])
             error = 0.0
@@ -249,8 +250,18 @@ def _snapped(entry: Coefficient) -> Coefficient:
     return entry._replace(value=short) if abs(short - entry.value) <= SHORT * abs(entry.value) else entry
 
 
-def _constants(parts: Iterable[_Part]) -> dict[Any, Any]:
-    """Return symbols A_1, A_2, .. for the sums of letters that occur more than once."""
-    sums = (whole for part in parts for each in part.sums for shapes in each.values() for _, whole in shapes.values())
-    often = [whole for whole, times in Counter(sums).items() if times > 1 and whole.args]
-    return {whole: module().Symbol(f"A_{k}", real=True) for k, whole in enumerate(often, 1)}
+def _constants(parts: Iterable[_Part]) -> tuple[dict[Any, Any], dict[Any, Any]]:
+    """Return symbols A_1, A_2, .. for what occurs often, and by symbol what it stands for: sums of letters, alone or
+    times other letters, that occur more than once; products of at least three letters that do so more than twice."""
+    found = [x[1:] for part in parts for each in part.sums for shapes in each.values() for x in shapes.values()]
+    times = Counter(found)
+    often = {(x, whole) for (x, whole), k in times.items() if (k > 1 if whole.args else k > 2 and x.count_ops() > 1)}
+    wholes = Counter(whole for x, whole in times for _ in range(1 if (x, whole) in often else times[x, whole]))
+    names, constants = dict[Any, Any](), dict[Any, Any]()
+    for product, whole in times:
+        for x in (whole,) * (whole.args != () and wholes[whole] > 1) + (product * whole,) * ((product, whole) in often):
+            if x not in names:
+                symbol = module().Symbol(f"A_{len(names) + 1}", real=True)
+                constants[symbol] = x if x == whole else named(product, whole, names)
+                names[x] = symbol
+    return names, constants

@@ -219,8 +219,8 @@ Coefficients = dict[Monomial, float]
 """A polynomial in letters."""
 
 
-Sums = dict[Monomial, dict[Shape, tuple[Any, Any]]]
-"""By product of rates and by shape, a factor and a sum of letters."""
+Sums = dict[Monomial, dict[Shape, tuple[Any, Any, Any]]]
+"""By product of rates and by shape, a number, a product of letters and a sum of letters."""
 
 
 class Writer:
@@ -254,8 +254,9 @@ class Writer:
             out *= getattr(sympy, name)(sympy.Add(*(number(x) * self._symbols[k] for k, x in enumerate(angle))))
         return out
 
-    def coefficient(self, polynomial: Coefficients) -> tuple[Any, Any]:
-        """Return a polynomial in letters as a factor and a sum whose first term is positive, collected by masses."""
+    def coefficient(self, polynomial: Coefficients) -> tuple[Any, Any, Any]:
+        """Return a polynomial in letters as a number, a product, and a sum that begins with a positive term and is
+        collected by masses."""
         sympy = module()
         common = Counter(next(iter(polynomial)))
         for powers in polynomial:
@@ -278,16 +279,23 @@ class Writer:
             if mass is not None and len(parts) <= FACTORED:
                 whole = sympy.factor(whole)
             terms.append(whole if mass is None else self._symbols[mass] * whole)
-        return number(scale) * self.monomial(common.elements()), sympy.Add(*terms)
+        return number(scale), self.monomial(common.elements()), sympy.Add(*terms)
 
     def assembled(self, sums: Sums, names: Mapping[Any, Any] = MappingProxyType({})) -> Any:
-        """Return the SymPy expression; `names` are symbols for sums that are written once, elsewhere."""
+        """Return the SymPy expression; `names` are symbols for sums and products that are written once, elsewhere."""
         sympy = module()
         groups = []
         for rates, shapes in sums.items():
-            terms = [factor * names.get(whole, whole) * self.shape(x) for x, (factor, whole) in shapes.items()]
+            terms = [
+                x * named(product, whole, names) * self.shape(shape) for shape, (x, product, whole) in shapes.items()
+            ]
             groups.append(self.monomial(rates) * sympy.Add(*terms))
         return sympy.Add(*groups)
+
+
+def named(product: Any, whole: Any, names: Mapping[Any, Any]) -> Any:
+    """Return a product of letters times a sum, with symbols for both or for the sum where they have names."""
+    return names.get(product * whole) or product * names.get(whole, whole)
 
 
 def expression(forms: Forms, form: Polynomial) -> Any:

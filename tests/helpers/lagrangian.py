@@ -25,7 +25,10 @@ def letters_of(stem, values, alone=False):
     names = [stem if alone and len(some) == 1 else stem + axis for axis in AXES]
     lengths = stem.startswith("l")
     return sympy.Matrix(
-        [sympy.Symbol(names[k], real=True) * (-1 if lengths and values[k] < 0 else 1) if k in some else 0 for k in range(3)]
+        [
+            sympy.Symbol(names[k], real=True) * (-1 if lengths and values[k] < 0 else 1) if k in some else 0
+            for k in range(3)
+        ]
     )
 
 
@@ -64,7 +67,11 @@ class Lagrangian:
         w, v = sympy.Matrix(symbols(f"w_{a}" for a in AXES)), sympy.Matrix(symbols(f"v_{a}" for a in AXES))
         w, v = (w, v) if moving else (sympy.zeros(3, 1), sympy.zeros(3, 1))
         u = [*w, *v, *qd] if moving else qd
-        g = sympy.Matrix(symbols(f"g_{a}" for a in AXES)) if moving else sympy.Matrix([0, 0, -sympy.Symbol("g", real=True)])
+        g = (
+            sympy.Matrix(symbols(f"g_{a}" for a in AXES))
+            if moving
+            else sympy.Matrix([0, 0, -sympy.Symbol("g", real=True)])
+        )
         frames = {names[0]: (sympy.eye(3), sympy.zeros(3, 1))}
         T, power = 0, 0
         for i, name in enumerate(names):
@@ -75,7 +82,11 @@ class Lagrangian:
                 axis = sympy.Matrix([sympy.nsimplify(x) for x in numbers(joint.find("axis"), "xyz", 3)])
                 offset = numbers(joint.find("origin"), "xyz", 3)
                 j = names.index(parent)
-                p = p + R * (letters_of(f"l_{j}", offset, True) if j or moving else sympy.Matrix([sympy.nsimplify(x) for x in offset]))
+                p = p + R * (
+                    letters_of(f"l_{j}", offset, True)
+                    if j or moving
+                    else sympy.Matrix([sympy.nsimplify(x) for x in offset])
+                )
                 slides = joint.get("type") == "prismatic"
                 frames[name] = (R, p + R * axis * q[i - 1]) if slides else (R * turn(axis, q[i - 1]), p)
             inertial = inertials[name]
@@ -91,7 +102,10 @@ class Lagrangian:
             speed = v + w.cross(c) + sum((c.diff(x) * xd for x, xd in zip(q, qd, strict=True)), sympy.zeros(3, 1))
             T += m * speed.dot(speed) / 2 + (omega.T * I * omega)[0] / 2
             power += m * g.dot(speed)
-        same = {sympy.Symbol(a, real=True): (sympy.Symbol(b.strip("-"), real=True) * (-1 if "-" in b else 1)) for a, b in (alike or {}).items()}
+        same = {
+            sympy.Symbol(a, real=True): (sympy.Symbol(b.strip("-"), real=True) * (-1 if "-" in b else 1))
+            for a, b in (alike or {}).items()
+        }
         T, power = T.subs(same), power.subs(same) if gravity else sympy.Integer(0)
         P = [T.diff(x) for x in u]
         self.M = [[momentum.diff(x) for x in u] for momentum in P]
