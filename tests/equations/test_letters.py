@@ -197,7 +197,11 @@ def test_assumptions():
     model = robodyn.load(ROBOTS / "puma.urdf")
     symbols = Lettered(model, positive=["l_1"]).symbols.values()
     assert [symbol.name for symbol in symbols if symbol.is_positive] == ["l_1"]
-    for name, words in (("l_7", "no symbol 'l_7'"), ("q_1", "no symbol 'q_1'"), ("c_2y", "c_2y is -0.016, not positive")):
+    for name, words in (
+        ("l_7", "no symbol 'l_7'"),
+        ("q_1", "no symbol 'q_1'"),
+        ("c_2y", "c_2y is -0.016, not positive"),
+    ):
         with pytest.raises(InputError, match=words):
             closed(model, symbols=KINDS, positive=[name])
     with pytest.raises(InputError, match="no symbols 'x'"):
