@@ -205,8 +205,8 @@ CALLS: dict[str, str] = {
     f"fbd {SERVO}": "the scene needs columns of a trajectory: give --traj and --time (try: robodyn fbd --help)",
     "equations arm.urdf --format latex": "--format latex is for --form closed or dae (try: robodyn equations --help)",
     "equations arm.urdf --form closed --at 1,2": "--at is for numbers: --form ode or dae as text or json (try",
-    "equations arm.urdf --format c": "invalid value for '--format': 'c' is not one of 'text', 'latex', 'json', 'python'; "
-    "robodyn export --to c writes C (try: robodyn equations --help)",
+    "equations arm.urdf --format c": "invalid value for '--format': 'c' is not one of 'text', 'latex', 'json', 'python'"
+    "; robodyn export --to c writes C (try: robodyn equations --help)",
     "equations arm.urdf --tau 1,2": "--tau is for --form dae (try",
     "equations robots/composite.urdf": "robots/composite.urdf: nothing can move: the robot has no joint that moves",
     "equations arm.urdf --format python": "--format python is for --form closed (try",
