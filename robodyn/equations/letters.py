@@ -1,0 +1,277 @@
+"""Letters for the numbers of a description: masses, lengths, mass centres, inertias and gravity, named by link.
+
+Numbers that are 0 stay 0, and equal numbers of equal meaning share a letter: moments of inertia of one link, and all
+numbers of links that the same link carries in the same way, as the two arrays of a satellite.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from robodyn.dynamics.effects.effect import Effect, Sample
+from robodyn.dynamics.plan import Plan, applied, at_rest, loads
+from robodyn.equations.forms import LETTERS as SOURCE
+from robodyn.equations.forms import PRODUCTS, Forms, expression, module
+from robodyn.equations.ode import bias_plan
+from robodyn.errors import InputError
+from robodyn.programs.derivative import jacobian
+from robodyn.programs.program import Program, trace
+from robodyn.programs.scalar import Tape
+from robodyn.programs.vectors import ZERO, Array, Scalar, skew
+from robodyn.robot.model import Model
+from robodyn.scene.scene import DEFAULT, Scene
+from robodyn.solids.inertia.laws import Inertia
+from robodyn.support.wording import alternatives, shown
+
+KINDS = ("m", "l", "c", "I", "g")
+"""Masses; offsets of joints; mass centres; inertia matrices about them, in the axes of the link; gravity."""
+MEANINGS = {
+    "m": "mass of {} [kg]",
+    "l": "from the joint of {} to the next, along {} [m]",
+    "c": "mass centre of {}, {} [m]",
+    "I": "inertia of {} about its mass centre, {} [kg m^2]",
+    "g": "gravity [m/s^2]",
+}
+ROUNDING = 1e-12
+"""Numbers are equal, or zero, within this part of the largest of their vector or matrix."""
+AXES = "xyz"
+
+
+@dataclass(frozen=True)
+class Letter:
+    """A letter: `name` as in I_1xx, its value in SI units, what it stands for."""
+
+    name: str
+    kind: str
+    value: float
+    meaning: str
+
+
+class Letters:
+    """The letters of a model: in their order, and the place of each in its bodies.
+
+    Attributes:
+        all: the letters.
+    """
+
+    def __init__(self, model: Model, scene: Scene, kinds: Sequence[str] = KINDS) -> None:
+        """Raises InputError for a kind that is none of KINDS."""
+        for kind in kinds:
+            if kind not in KINDS:
+                raise InputError(f"no symbols {kind!r}", remedy=alternatives(kind, KINDS, "symbols"))
+        self._kinds, self._model = kinds, model
+        self.all: list[Letter] = []
+        self._of: dict[tuple[Any, ...], list[int]] = {}
+        each = range(len(model.bodies))
+        self._masses, self._offsets = [self._mass(i) for i in each], [self._offset(i) for i in each]
+        self._centres, self._about = [self._centre(i) for i in each], [self._inertia(i) for i in each]
+        self._gravity = self._of_gravity(scene)
+
+    @property
+    def values(self) -> list[float]:
+        return [letter.value for letter in self.all]
+
+    def model(self, model: Model, tape: Tape) -> Model:
+        """Return the same model with inputs of the tape for its letters; its arrays are of objects."""
+        bodies = []
+        for i, body in enumerate(model.bodies):
+            mass, centre, p = (
+                self._scalar(self._masses[i], tape),
+                *(self._array(x[i], tape) for x in (self._centres, self._offsets)),
+            )
+            about = self._array(self._about[i], tape).reshape(3, 3)
+            moment = centre * mass
+            S = skew(centre)
+            inertia = Inertia(mass, moment, about - (S @ S) * mass)
+            joint = replace(body.joint, p=p, R=_snapped(body.joint.R), axis=_snapped(body.joint.axis))
+            bodies.append(replace(body, inertia=inertia, joint=joint))
+        return replace(model, bodies=tuple(bodies))
+
+    def gravity(self, tape: Tape) -> Array:
+        return self._array(self._gravity, tape)
+
+    def _twin(self, i: int) -> tuple[int, ...]:
+        """What makes equal numbers of bodies of equal meaning: that the same body carries them."""
+        parent = self._model.bodies[i].parent
+        return (parent,) if parent >= 0 else (-1, i)
+
+    def _mass(self, i: int) -> Any:
+        body = self._model.bodies[i]
+        m = float(body.inertia.m)
+        return self._entry("m", f"m_{i}", m, abs(m), ("m", *self._twin(i)), (body.name,))
+
+    def _centre(self, i: int) -> list[Any]:
+        body = self._model.bodies[i]
+        return self._vector("c", f"c_{i}", body.inertia.centre_of_mass, ("c", *self._twin(i)), body.name)
+
+    def _inertia(self, i: int) -> list[Any]:
+        body = self._model.bodies[i]
+        I, scale = np.asarray(body.inertia.about_centre, dtype=float), float(np.abs(body.inertia.I).max())
+        entries: list[Any] = [0.0] * 9
+        for a in range(3):
+            for b in range(a, 3):
+                axes = AXES[a] + AXES[b]
+                alike = ("I", "moment" if a == b else axes, *self._twin(i))
+                entry = self._entry("I", f"I_{i}{axes}", float(I[a, b]), scale, alike, (body.name, axes))
+                entries[3 * a + b] = entries[3 * b + a] = entry
+        return entries
+
+    def _of_gravity(self, scene: Scene) -> list[Any]:
+        """Return one letter along an axis; all three where the base turns, in its axes."""
+        if not (self._model.floating and any(scene.gravity)):
+            return self._vector("g", "g", scene.gravity, ("gravity",), "")
+        for axis, value in zip(AXES, scene.gravity, strict=True):
+            self.all.append(Letter(f"g_{axis}", "g", float(value), MEANINGS["g"]))
+        return [(1.0, len(self.all) - 3 + k) for k in range(3)]
+
+    def _offset(self, i: int) -> list[Any]:
+        body = self._model.bodies[i]
+        j = body.parent
+        if j < 0:
+            return list(map(float, body.joint.p))
+        siblings = [k for k, other in enumerate(self._model.bodies) if other.parent == j]
+        name = f"l_{j}" if len(siblings) == 1 or i == siblings[0] else f"l_{j}_{i}"
+        return self._vector("l", name, body.joint.p, ("l", j), self._model.bodies[j].name, short=True)
+
+    def _vector(
+        self, kind: str, name: str, values: Any, alike: tuple[Any, ...], of: str, short: bool = False
+    ) -> list[Any]:
+        scale = max(abs(float(x)) for x in values)
+        some = [k for k in range(3) if abs(values[k]) > ROUNDING * scale]
+        out: list[Any] = [0.0] * 3
+        for k in some:
+            suffix = "" if len(some) == 1 and (short or kind == "g") else AXES[k]
+            out[k] = self._entry(kind, name + suffix, float(values[k]), scale, (*alike, k), (of, AXES[k]))
+        return out
+
+    def _entry(
+        self, kind: str, name: str, value: float, scale: float, alike: tuple[Any, ...], words: tuple[str, ...]
+    ) -> Any:
+        """Return a number, or (sign, index of a letter) where it has one."""
+        if abs(value) <= ROUNDING * scale:
+            return 0.0
+        if kind not in self._kinds:
+            return value
+        signed = kind != "I" or alike[1] != "moment"
+        for index in self._of.get(alike, ()):
+            other = self.all[index].value
+            if abs(value - other) <= ROUNDING * scale:
+                return (1.0, index)
+            if signed and abs(value + other) <= ROUNDING * scale:
+                return (-1.0, index)
+        sign = -1.0 if kind in "gl" and value < 0.0 else 1.0
+        self.all.append(Letter(name, kind, sign * value, MEANINGS[kind].format(*words)))
+        self._of.setdefault(alike, []).append(len(self.all) - 1)
+        return (sign, len(self.all) - 1)
+
+    def _scalar(self, entry: Any, tape: Tape) -> Scalar:
+        return entry[0] * tape.input(SOURCE, entry[1]) if isinstance(entry, tuple) else entry
+
+    def _array(self, entries: Sequence[Any], tape: Tape) -> Array:
+        out = np.empty(len(entries), dtype=object)
+        out[:] = [self._scalar(entry, tape) for entry in entries]
+        return out
+
+
+def _snapped(values: Any) -> Array:
+    """Return entries that rounding alone tells from 0, 1 or -1 as these."""
+    nearest = np.round(np.asarray(values, dtype=float))
+    close = np.abs(values - nearest) <= ROUNDING
+    return np.where(close, nearest + 0.0, values).astype(object)
+
+
+class Lettered:
+    """A robot in a scene with letters for its numbers: what the recursions make of it, as SymPy expressions that a
+    person would write.
+
+    Joint i carries body i, so that its coordinate is q_i; the rates of a base that moves are w_x .. v_z in its own
+    axes, and gravity is then a vector g_x, g_y, g_z in these.
+
+    Attributes:
+        letters: in the order m, l, c, I, g.
+        symbols: by (source, column) of the sources q, qd, qdd and letters.
+    """
+
+    def __init__(
+        self, model: Model, scene: Scene = DEFAULT, kinds: Sequence[str] = KINDS, positive: Iterable[str] = ()
+    ) -> None:
+        """Args: kinds: of the letters; none leaves all numbers but the gravity on a base that moves. positive: names of
+        letters that SymPy may take to be.
+
+        Raises: InputError for a kind that is none of KINDS, or a positive name of no letter or of one that is not.
+        """
+        self.plan, self._letters = bias_plan(model, scene), Letters(model, scene, kinds)
+        self.letters, names = tuple(self._letters.all), {}
+        first = 6 if model.floating else 0
+        for i, axis in enumerate(("x", "y", "z") * 2 if first else ""):
+            letter = "w" if i < 3 else "v"
+            names["qd", i], names["qdd", i] = f"{letter}_{axis}", f"{'wd' if i < 3 else 'a'}_{axis}"
+        for k, body in enumerate(model.bodies):
+            joint = body.joint
+            if joint.kind in ("revolute", "prismatic") and joint.mimics is None:
+                names["q", joint.coordinate] = f"q_{k}"
+                names["qd", joint.rate], names["qdd", joint.rate] = f"qd_{k}", f"qdd_{k}"
+        names |= {(SOURCE, k): letter.name for k, letter in enumerate(self.letters)}
+        given, values = set(positive), {letter.name: letter.value for letter in self.letters}
+        for name in sorted(given):
+            if name not in values:
+                raise InputError(f"no symbol {shown(name)}", remedy=alternatives(name, list(values), "symbols"))
+            if values[name] <= 0.0:
+                raise InputError(f"{name} is {values[name]:g}, not positive", remedy="leave the assumption out")
+        self.symbols = {
+            place: module().Symbol(name, real=True, positive=name in given or None) for place, name in names.items()
+        }
+
+    def sample(self, tape: Tape) -> Sample:
+        """The sample whose scalars are inputs of the tape, letters among them; a base that moves stands upright."""
+        sample = self.plan.sample(tape)
+        if sample.model.floating:
+            sample = replace(sample, q=(*[0.0] * 6, 1.0, *sample.q[7:]))
+        accelerations = tuple(tape.input("qdd", i) for i in range(sample.model.n))
+        return replace(sample, model=self._letters.model(sample.model, tape), qdd=accelerations)
+
+    def gravity(self, tape: Tape) -> Array:
+        return self._letters.gravity(tape)
+
+    def program(self, outputs: Callable[[Tape, Sample], Iterable[Scalar]]) -> Program:
+        """Return the program of scalars that are made of a sample."""
+        return trace(lambda tape: outputs(tape, self.sample(tape)))
+
+    def written(self, program: Program, allowed: int = PRODUCTS) -> list[Any]:
+        """Return the outputs of a program as SymPy expressions, each by itself.
+
+        Raises: TooLargeError where more products of terms would be formed than are allowed.
+        """
+        forms = Forms(self.symbols, allowed)
+        return [expression(forms, form) for form in forms.outputs(program)]
+
+    def mass(self, upper: bool = False) -> Program:
+        """M, row by row, or of each row what is not left of the diagonal: the derivative of the torques by the
+        accelerations."""
+
+        def outputs(tape: Tape, sample: Sample) -> Iterable[Scalar]:
+            moving = replace(sample, qd=(0.0,) * sample.model.n)
+            effects = [effect for effect in Plan(self.plan.model, self.plan.scene).effects if not effect.by_load]
+            terms = replace(applied(effects, moving, self.plan.scene), gravity=ZERO)
+            rows = jacobian(loads(moving, terms).tau, [{rate: 1.0} for rate in sample.qdd])
+            return [x for i, row in enumerate(rows) for x in row[i if upper else 0 :]]
+
+        return self.program(outputs)
+
+    def share(self, effect: Effect) -> Program:
+        """The part of the bias that one effect makes."""
+
+        def outputs(tape: Tape, sample: Sample) -> Iterable[Scalar]:
+            still = replace(sample, qdd=(0.0,) * sample.model.n)
+            scene = replace(self.plan.scene, gravity=tuple(self.gravity(tape)))
+            if effect.by_load:
+                others = [other for other in self.plan.effects if other is not effect]
+                whole, rest = (loads(still, applied(each, still, scene)).tau for each in (self.plan.effects, others))
+                return [a - b for a, b in zip(whole, rest, strict=True)]
+            return loads(still, effect.add(effect.background(at_rest(still), still, scene), still, scene)).tau
+
+        return self.program(outputs)
