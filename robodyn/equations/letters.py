@@ -86,9 +86,7 @@ class Letters:
             moment = centre * mass
             S = skew(centre)
             inertia = Inertia(mass, moment, about - (S @ S) * mass)
-            joint = replace(
-                body.joint, p=self._array(p, tape), R=snapped(body.joint.R), axis=snapped(body.joint.axis)
-            )
+            joint = replace(body.joint, p=self._array(p, tape), R=snapped(body.joint.R), axis=snapped(body.joint.axis))
             bodies.append(replace(body, inertia=inertia, joint=joint))
         return replace(model, bodies=tuple(bodies))
 
