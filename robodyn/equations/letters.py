@@ -82,16 +82,18 @@ class Letters:
     def model(self, model: Model, tape: Tape) -> Model:
         """Return the same model with inputs of the tape for its letters; its arrays are of objects."""
         bodies = []
-        for body, (m, c, I), p in zip(model.bodies, self._masses, self._offsets, strict=True):
-            mass, centre, about = self._scalar(m, tape), self._array(c, tape), self._array(I, tape).reshape(3, 3)
+        for body, (mass, centre, about), p in zip(model.bodies, self.masses(tape), self._offsets, strict=True):
             moment = centre * mass
             S = skew(centre)
             inertia = Inertia(mass, moment, about - (S @ S) * mass)
-            joint = replace(
-                body.joint, p=self._array(p, tape), R=_snapped(body.joint.R), axis=_snapped(body.joint.axis)
-            )
+            joint = replace(body.joint, p=self._array(p, tape), R=snapped(body.joint.R), axis=snapped(body.joint.axis))
             bodies.append(replace(body, inertia=inertia, joint=joint))
         return replace(model, bodies=tuple(bodies))
+
+    def masses(self, tape: Tape) -> list[tuple[Scalar, Array, Array]]:
+        """Return of each body mass, mass centre, and inertia matrix about it, in the body's axes."""
+        array = self._array
+        return [(self._scalar(m, tape), array(c, tape), array(I, tape).reshape(3, 3)) for m, c, I in self._masses]
 
     def gravity(self, tape: Tape) -> Array:
         return self._array(self._gravity, tape)
@@ -166,7 +168,7 @@ class Letters:
         return out
 
 
-def _snapped(values: Any) -> Array:
+def snapped(values: Any) -> Array:
     """Return entries that rounding alone tells from 0, 1 or -1 as these."""
     nearest = np.round(np.asarray(values, dtype=float))
     close = np.abs(values - nearest) <= ROUNDING
@@ -221,6 +223,9 @@ class Lettered:
 
     def gravity(self, tape: Tape) -> Array:
         return self._letters.gravity(tape)
+
+    def masses(self, tape: Tape) -> list[tuple[Scalar, Array, Array]]:
+        return self._letters.masses(tape)
 
     def program(self, outputs: Callable[[Tape, Sample], Iterable[Scalar]]) -> Program:
         """Return the program of scalars that are made of a sample."""
