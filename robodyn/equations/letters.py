@@ -82,8 +82,8 @@ class Letters:
     def model(self, model: Model, tape: Tape) -> Model:
         """Return the same model with inputs of the tape for its letters; its arrays are of objects."""
         bodies = []
-        for body, (m, c, I), p in zip(model.bodies, self._masses, self._offsets, strict=True):
-            mass, centre, about = self._scalar(m, tape), self._array(c, tape), self._array(I, tape).reshape(3, 3)
+        for i, (body, p) in enumerate(zip(model.bodies, self._offsets, strict=True)):
+            mass, centre, about = self.mass_properties(i, tape)
             moment = centre * mass
             S = skew(centre)
             inertia = Inertia(mass, moment, about - (S @ S) * mass)
@@ -92,6 +92,11 @@ class Letters:
             )
             bodies.append(replace(body, inertia=inertia, joint=joint))
         return replace(model, bodies=tuple(bodies))
+
+    def mass_properties(self, i: int, tape: Tape) -> tuple[Scalar, Array, Array]:
+        """Return mass, mass centre and inertia matrix about it of body i."""
+        m, c, I = self._masses[i]
+        return self._scalar(m, tape), self._array(c, tape), self._array(I, tape).reshape(3, 3)
 
     def gravity(self, tape: Tape) -> Array:
         return self._array(self._gravity, tape)
@@ -221,6 +226,9 @@ class Lettered:
 
     def gravity(self, tape: Tape) -> Array:
         return self._letters.gravity(tape)
+
+    def mass_properties(self, i: int, tape: Tape) -> tuple[Scalar, Array, Array]:
+        return self._letters.mass_properties(i, tape)
 
     def program(self, outputs: Callable[[Tape, Sample], Iterable[Scalar]]) -> Program:
         """Return the program of scalars that are made of a sample."""
