@@ -72,7 +72,7 @@ def test_closed_text_and_json_say_the_same():
 
 
 def test_latex():
-    assert "M_{12} &= 0.5 c_{2} + 0.4 \\\\\n" in shown("equations", PLANAR, "--form", "closed", "--format", "latex")
+    assert "M_{12} &= 0.4 + 0.5 c_{2} \\\\\n" in shown("equations", PLANAR, "--form", "closed", "--format", "latex")
 
 
 def dae(*call):

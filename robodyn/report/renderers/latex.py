@@ -6,14 +6,14 @@ import re
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from robodyn.equations.closed import Closed, decimal, module
+from robodyn.equations.closed import Closed, module
 from robodyn.equations.dae.dae import Dae
 from robodyn.report.dae import laws
 from robodyn.report.equations import checked
+from robodyn.report.renderers.letters import Latex
 from robodyn.report.table import printable
 from robodyn.support.wording import count
 
-DIGITS = 6
 WIDTH = 120
 """Characters of LaTeX after which a sum goes on in the next line."""
 ESCAPES = {
@@ -42,7 +42,7 @@ def closed_latex(closed: Closed) -> str:
         f"The equations of motion of {escaped(closed.robot)} are\n"
         f"\\[ M(q)\\,\\ddot{{q}}{' + ' * bool(bias)}{bias} = \\tau \\]\n"
         f"with the coordinates {coordinates}, gravity $({x:g}, {y:g}, {z:g})$\\,m/s$^2$, SI units, coefficients to\n"
-        f"{DIGITS} digits, $c_{{i}} = \\cos q_{{i}}$, $s_{{i}} = \\sin q_{{i}}$, "
+        f"{Latex.digits} digits, $c_{{i}} = \\cos q_{{i}}$, $s_{{i}} = \\sin q_{{i}}$, "
         "$c_{ij} = \\cos(q_{i} + q_{j})$, $s_{ij} = \\sin(q_{i} + q_{j})$\n"
         "and so on, $M_{ij} = M_{ji}$, and\n"
         + _aligned_lines([f"{name} &= {sum_text(entry)}" for name, entry in entries.items()])
@@ -56,49 +56,17 @@ def _part(effect: str, index: str) -> str:
 
 
 def _sum_printer(closed: Closed) -> Callable[[Any], str]:
-    """Return what writes an expression, a long sum on several lines; sums and products come in the order of joints."""
-    from sympy.printing.latex import LatexPrinter
-
-    sympy = module()
-    numbered: dict[Any, Any] = {}
-    numbers: dict[Any, int] = {}
-    names: dict[Any, str] = {}
+    """Return what writes an expression, its joints by number, a long sum on several lines."""
+    symbol, numbered, printer = module().Symbol, dict[Any, Any](), Latex()
     for k, (q, qd) in enumerate(zip(closed.q, closed.qd, strict=True), 1):
-        numbered[q], numbered[qd] = sympy.Symbol(f"q_{k}", real=True), sympy.Symbol(f"qd_{k}", real=True)
-        numbers[numbered[q]] = k
-        names |= {numbered[q]: f"q_{{{k}}}", numbered[qd]: rf"\dot{{q}}_{{{k}}}"}
-
-    class Printer(LatexPrinter):  # type: ignore[misc,unused-ignore]
-        def _print_Float(self, value: Any) -> str:
-            mantissa, _, exponent = f"{float(value):.{DIGITS}g}".partition("e")
-            return f"{mantissa} \\cdot 10^{{{int(exponent)}}}" if exponent else mantissa
-
-        def _print_cos(self, wave: Any, exp: str | None = None) -> str:
-            return self._called(r"\cos", wave, exp, "c")
-
-        def _print_sin(self, wave: Any, exp: str | None = None) -> str:
-            return self._called(r"\sin", wave, exp, "s")
-
-        def _print_sign(self, call: Any, exp: str | None = None) -> str:
-            return self._called(r"\operatorname{sgn}", call, exp)
-
-        def _called(self, function: str, call: Any, exp: str | None, letter: str = "") -> str:
-            """Return sums of angles as indices, as in s_{12}, other arguments in brackets."""
-            power, terms = f"^{{{exp}}}" if exp else "", call.args[0].as_ordered_terms()
-            if letter and all(term in numbers for term in terms):
-                return f"{letter}_{{{''.join(str(k) for k in sorted(numbers[term] for term in terms))}}}{power}"
-            return f"{function}\\left({self._print(call.args[0])}\\right){power}"
-
-    printer = Printer({"symbol_names": names})
+        numbered |= {q: symbol(f"q_{k}", real=True), qd: symbol(f"qd_{k}", real=True)}
 
     def text(expression: Any) -> str:
-        lines, total = [""], decimal(expression).xreplace(numbered)
-        for term in printer._as_ordered_terms(total) if isinstance(total, sympy.Add) else [total]:
-            one = printer.doprint(term)
+        lines = [""]
+        for term in printer.terms(expression.xreplace(numbered)):
             if len(lines[-1]) > WIDTH:
                 lines.append("")
-            sign = "" if one.startswith("-") or lines == [""] else "+ "
-            lines[-1] += f"{' ' * bool(lines[-1])}{sign}{one}"
+            lines[-1] += " " * bool(lines[-1]) + term
         return " \\\\\n    &\\quad ".join(lines)
 
     return text
