@@ -17,7 +17,7 @@ import numpy as np
 
 from robodyn.dynamics.effects.effect import Effect, Sample
 from robodyn.dynamics.plan import Plan, applied, at_rest, loads
-from robodyn.equations.closed import PRODUCTS, Angle, Forms, Polynomial, combined_angles, module, number, upright
+from robodyn.equations.closed import PRODUCTS, Angle, Forms, Polynomial, TooLargeError, combined_angles, module, number, upright
 from robodyn.equations.ode import bias_plan
 from robodyn.errors import InputError
 from robodyn.programs.derivative import jacobian
@@ -234,13 +234,16 @@ class Lettered:
         """Return the program of scalars that are made of a sample."""
         return trace(lambda tape: outputs(tape, self.sample(tape)))
 
-    def written(self, program: Program, allowed: int = PRODUCTS) -> list[Any]:
+    def written(self, program: Program, allowed: int = PRODUCTS, longest: int | None = None) -> list[Any]:
         """Return the outputs of a program as SymPy expressions, each by itself.
 
-        Raises: TooLargeError where more products of terms would be formed than are allowed.
+        Raises: TooLargeError where more products of terms would be formed than are allowed, or an output has more terms
+            than `longest`.
         """
         forms = Forms(self.symbols, allowed)
         found = forms.outputs(program)
+        if longest is not None and max(map(len, found), default=0) > longest:
+            raise TooLargeError
         writer = Writer(forms, self)
         return [writer.expression(form) for form in found]
 
