@@ -627,8 +627,9 @@ def _order_formulation(bodies: list[_Body], model: Model, sample: Sample) -> _Or
     tau, M = times(H.T, Phi.T, Named("W", W.value)), times(H.T, Phi.T, mass, Phi, H)
     grids = (("Gamma", names), ("Phi", reach))
     parts.append(Part("All bodies", [Equation(left, grid=tuple(map(tuple, grid))) for left, grid in grids]))
-    columns = times(Phi, H)
-    parts.append(Part("The Jacobians of all bodies", [Equation(columns.name, columns.value)]))
+    J = times(Phi, H)
+    rows = [Equation(body.name("J"), J.value[6 * k : 6 * k + 6]) for k, body in enumerate(bodies)]
+    parts.append(Part(f"The rows of J = {J.name} of each body: its Jacobian", rows))
     said = (("Phi", inverse), ("V", V), ("Vd", Vd), ("W", W), ("tau", tau), ("M", M))
     return _Order(parts, [f"{left} = {right.name}" for left, right in said], M.value, tau.value)
 
