@@ -137,7 +137,7 @@ class Forms:
     def __init__(self, symbols: Mapping[tuple[str, int], Any], products: int) -> None:
         """Args: symbols: of the inputs; those but q stand apart in results. products: of terms that may be formed."""
         self._symbols, self._left = symbols, products
-        self._generators: dict[Any, int] = {symbol: k for k, symbol in enumerate(symbols.values())}
+        self._generators: dict[Any, int] = {symbol: k for k, symbol in enumerate(dict.fromkeys(symbols.values()))}
         self._rates = {symbol for (source, _), symbol in symbols.items() if source != "q"}
 
     @property

@@ -17,7 +17,7 @@ import numpy as np
 
 from robodyn.dynamics.effects.effect import Effect, Sample
 from robodyn.dynamics.plan import Plan, applied, at_rest, loads
-from robodyn.equations.closed import PRODUCTS, Angle, Forms, Polynomial, combined_angles, module, number, upright
+from robodyn.equations.closed import PRODUCTS, Angle, Forms, Polynomial, TooLargeError, combined_angles, module, number, upright
 from robodyn.equations.ode import bias_plan
 from robodyn.errors import InputError
 from robodyn.programs.derivative import jacobian
@@ -82,7 +82,8 @@ class Letters:
     def model(self, model: Model, tape: Tape) -> Model:
         """Return the same model with inputs of the tape for its letters; its arrays are of objects."""
         bodies = []
-        for body, (mass, centre, about), p in zip(model.bodies, self.masses(tape), self._offsets, strict=True):
+        for i, (body, p) in enumerate(zip(model.bodies, self._offsets, strict=True)):
+            mass, centre, about = self.mass_properties(i, tape)
             moment = centre * mass
             S = skew(centre)
             inertia = Inertia(mass, moment, about - (S @ S) * mass)
@@ -92,8 +93,12 @@ class Letters:
 
     def masses(self, tape: Tape) -> list[tuple[Scalar, Array, Array]]:
         """Return of each body mass, mass centre, and inertia matrix about it, in the body's axes."""
-        array = self._array
-        return [(self._scalar(m, tape), array(c, tape), array(I, tape).reshape(3, 3)) for m, c, I in self._masses]
+        return [self.mass_properties(i, tape) for i in range(len(self._masses))]
+
+    def mass_properties(self, i: int, tape: Tape) -> tuple[Scalar, Array, Array]:
+        """Return mass, mass centre and inertia matrix about it of body i."""
+        m, c, I = self._masses[i]
+        return self._scalar(m, tape), self._array(c, tape), self._array(I, tape).reshape(3, 3)
 
     def gravity(self, tape: Tape) -> Array:
         return self._array(self._gravity, tape)
@@ -227,17 +232,23 @@ class Lettered:
     def masses(self, tape: Tape) -> list[tuple[Scalar, Array, Array]]:
         return self._letters.masses(tape)
 
+    def mass_properties(self, i: int, tape: Tape) -> tuple[Scalar, Array, Array]:
+        return self._letters.mass_properties(i, tape)
+
     def program(self, outputs: Callable[[Tape, Sample], Iterable[Scalar]]) -> Program:
         """Return the program of scalars that are made of a sample."""
         return trace(lambda tape: outputs(tape, self.sample(tape)))
 
-    def written(self, program: Program, allowed: int = PRODUCTS) -> list[Any]:
+    def written(self, program: Program, allowed: int = PRODUCTS, longest: int | None = None) -> list[Any]:
         """Return the outputs of a program as SymPy expressions, each by itself.
 
-        Raises: TooLargeError where more products of terms would be formed than are allowed.
+        Raises: TooLargeError where more products of terms would be formed than are allowed, or an output has more terms
+            than `longest`.
         """
         forms = Forms(self.symbols, allowed)
         found = forms.outputs(program)
+        if longest is not None and max(map(len, found), default=0) > longest:
+            raise TooLargeError
         writer = Writer(forms, self)
         return [writer.expression(form) for form in found]
 

@@ -1,0 +1,244 @@
+"""The worked solution as text, LaTeX and a page: each equation as rows, left = right, in the notation of each."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from robodyn.equations.derive import Derivation, Equation, joined
+from robodyn.report.document import Block, Document, Formula, Heading, Paragraph, Section, Table
+from robodyn.report.renderers.latex import escaped
+from robodyn.report.renderers.letters import Latex, Text
+from robodyn.report.table import NOISE, gravity_text
+
+WIDTH = 100
+"""Characters after which a sum goes on in the next line."""
+FOLDED = 6000
+"""Characters of LaTeX beyond which a page folds a part."""
+BREAK = r" \\ "
+_TOKEN = re.compile(r" x |\^-?\w|sum_k|[A-Za-z]+(?:_\w+)?")
+
+
+class Row(NamedTuple):
+    left: str
+    right: str
+    word: str = ""
+
+
+class Plain:
+    """Writes names, vectors and matrices as text."""
+
+    printer: Text = Text()
+    gap = "\n    "
+
+    def name(self, text: str) -> str:
+        return text
+
+    def vector(self, entries: Sequence[str]) -> str:
+        return f"({', '.join(entries)})"
+
+    def matrix(self, rows: Sequence[Sequence[str]]) -> str:
+        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+        lines = ["  ".join(f"{x:{w}}" for x, w in zip(row, widths, strict=True)).rstrip() for row in rows]
+        return "\n".join(f"[ {line:{max(map(len, lines))}} ]" for line in lines)
+
+    def component(self, name: str, k: int, many: int) -> str:
+        index = "xyz"[k] if many == 3 else str(k + 1)
+        return self.name(f"{name}{index}" if many == 3 and re.fullmatch(r"\w+", name) else f"({name})_{index}")
+
+    def sum(self, expression: Any) -> str:
+        lines = [""]
+        for term in self.printer.terms(expression):
+            if len(lines[-1]) > WIDTH:
+                lines.append("")
+            lines[-1] += " " * bool(lines[-1]) + term
+        return self.gap.join(lines)
+
+
+class Mathematics(Plain):
+    """Writes them as LaTeX."""
+
+    printer: Text = Latex()
+    gap = " \\\\\n&\\quad "
+
+    def name(self, text: str) -> str:
+        def symbol(found: re.Match[str]) -> str:
+            word = found[0]
+            if word == " x ":
+                return r" \times "
+            if word[0] == "^":
+                return f"^{{{word[1:]}}}"
+            return r"\sum_{k}" if word == "sum_k" else self.printer.symbol(word)
+
+        return re.sub(r"\)_(\w)", r")_{\1}", _TOKEN.sub(symbol, text))
+
+    def vector(self, entries: Sequence[str]) -> str:
+        return self.matrix([[entry] for entry in entries])
+
+    def matrix(self, rows: Sequence[Sequence[str]]) -> str:
+        return f"\\begin{{pmatrix}} {BREAK.join(' & '.join(row) for row in rows)} \\end{{pmatrix}}"
+
+
+Plain.printer.digits = 6
+PLAIN, MATHEMATICS = Plain(), Mathematics()
+
+
+def rows(equation: Equation, style: Plain) -> Iterator[Row]:
+    """Yield an equation: names of what is summed, each term with its value, the sum. What vanishes is left out."""
+    terms = [term for term in equation.terms if np.any(np.asarray(term.value) != 0)]
+    left, names = style.name(equation.left), style.name(joined(term.name for term in terms))
+    if equation.grid:
+        yield Row(left, style.matrix([[style.name(x) for x in row] for row in equation.grid]))
+    if equation.total is None:
+        return
+    if equation.value is not None:
+        yield Row(left, names)
+        for a, b in zip(equation.value, equation.total, strict=True):
+            yield Row(style.sum(a), style.sum(b))
+        return
+    if len(terms) > 1:
+        yield Row(left, names)
+        for term in terms:
+            yield from _value(term.name, term.value, style, term.word)
+    value = list(_value(equation.left, equation.total, style))
+    if len(terms) == 1:
+        (term,) = terms
+        if len(value) == 1:
+            value = [Row(left, f"{names} = {value[0].right}", term.word)]
+        else:
+            yield Row(left, names, term.word)
+    yield from value
+
+
+def _value(name: str, value: Any, style: Plain, word: str = "") -> Iterator[Row]:
+    """Yield name = value, of a long vector by components."""
+    if np.ndim(value) == 0:
+        yield Row(style.name(name), style.sum(value), word)
+    elif np.ndim(value) == 2:
+        yield Row(style.name(name), style.matrix([list(map(style.sum, row)) for row in value]), word)
+    else:
+        entries = [style.sum(x) for x in value]
+        if sum(map(len, map(PLAIN.sum, value))) <= WIDTH:
+            yield Row(style.name(name), style.vector(entries), word)
+            return
+        for k, entry in enumerate(entries):
+            yield Row(style.component(name, k, len(entries)), entry, word)
+
+
+def _lines(found: Sequence[Row]) -> list[str]:
+    """Return rows as lines of text, equal signs below one another where the left sides are short."""
+    width = max((len(row.left) for row in found if len(row.left) <= 30), default=0)
+    lines = []
+    for left, right, word in found:
+        first, *others = right.split("\n")
+        lines.append(f"  {left:>{width}} = {first}{f'   ({word})' if word else ''}")
+        lines += [" " * (5 + max(width, len(left))) + other for other in others]
+    return lines
+
+
+def formula(equations: Iterable[Equation], title: str = "") -> Formula:
+    """Return equations in all forms, below a title that a page unfolds if they are long."""
+    lines, latex = [], []
+    for equation in equations:
+        lines += _lines(list(rows(equation, PLAIN)))
+        for left, right, word in rows(equation, MATHEMATICS):
+            latex.append(f"{left} &= {right}" + (rf" \quad \text{{({word})}}" if word else ""))
+    return Formula(tuple(lines), tuple(latex), title if sum(map(len, latex)) > FOLDED else "")
+
+
+def _cleaned(equation: Equation) -> Equation:
+    """Return an equation in numbers without what rounding leaves."""
+    arrays = [*(term.value for term in equation.terms), equation.total, equation.value]
+    parts = [x.as_coeff_add() for array in arrays if array is not None for x in np.asarray(array, dtype=object).ravel()]
+    least = NOISE * max((abs(float(number)) for number, _ in parts), default=0.0)
+    coefficients = [abs(float(term.as_coeff_Mul()[0])) for _, terms in parts for term in terms]
+    smallest = NOISE * max(coefficients, default=0.0)
+
+    def clean(array: Any) -> Any:
+        if array is None:
+            return None
+        out = np.empty(np.shape(array), dtype=object)
+        for place, x in np.ndenumerate(np.asarray(array, dtype=object)):
+            number, terms = x.as_coeff_add()
+            kept = [term for term in terms if abs(float(term.as_coeff_Mul()[0])) > smallest]
+            out[place] = sum(kept, number if abs(float(number)) > least else 0 * number)
+        return out if out.shape else out.item()
+
+    terms = [replace(term, value=clean(term.value)) for term in equation.terms]
+    return replace(equation, terms=terms, total=clean(equation.total), value=clean(equation.value))
+
+
+def derive_sections(found: Derivation) -> Iterator[Section]:
+    """Yield what is known, and the steps with their laws and equations."""
+    how = "in numbers" if found.numbers else "as formulas"
+    yield [Paragraph(f"{found.robot}: worked solution {how}, {gravity_text(found.gravity)}, SI units")]
+    known = [(f"`{name}`", value, meaning) for name, value, meaning in found.known]
+    letters = [(f"`{letter.name}`", f"{letter.value:.6g}", letter.meaning) for letter in found.letters]
+    for k, step in enumerate(found.steps, 1):
+        yield [Heading(f"Step {k}. {step.title}"), *map(Paragraph, step.words)]
+        if k == 1:
+            head = ("", "value", "what it is") if found.numbers else ("", "what it is")
+            yield [Table("Coordinates", head, known if found.numbers else [(a, c) for a, _, c in known])]
+            yield [Table("Letters", ("", "value", "what it is"), letters)] if letters else []
+            yield [Paragraph(notation(found))]
+        if step.laws:
+            pairs = [law.partition(" = ")[::2] for law in step.laws]
+            latex = [f"{MATHEMATICS.name(a)} &= {MATHEMATICS.name(b)}" for a, b in pairs]
+            general = "In general, body i on body j, carrying bodies k:" if any("_i" in law for law in step.laws) else ""
+            lines = _lines([Row(*pair) for pair in pairs])
+            yield [*([Paragraph(general)] if general else []), Formula(tuple(lines), tuple(latex))]
+        if step.counts:
+            head, *cells = step.counts
+            yield [Table("", head, [[f"`{x}`" if "_" in x else x for x in row] for row in cells])]
+        for part in step.parts:
+            equations = [_cleaned(x) for x in part.equations] if found.numbers else part.equations
+            block: list[Block] = [Paragraph(text) for text in (part.title, part.words) if text]
+            yield [*block, formula(equations, part.title)] if equations else block
+
+
+def notation(found: Derivation) -> str:
+    """Return how formulas are to be read."""
+    words = "c_1 is cos(q_1), s_12 is sin(q_1 + q_2), and so on; x, y, z after a vector's name is a component."
+    if not found.written_out:
+        words += " Long expressions are not written out: a line uses the components that lines before it define."
+    return words if not found.numbers else "x, y, z after a vector's name is a component."
+
+
+def derive_latex(found: Derivation) -> str:
+    """Return the solution for a document that uses amsmath."""
+
+    def words(text: str) -> str:
+        pieces = re.split(r"`([^`]*)`", text)
+        named = [", ".join(f"${MATHEMATICS.name(x)}$" for x in piece.split(", ")) for piece in pieces[1::2]]
+        return "".join(escaped(a) + b for a, b in zip(pieces[::2], [*named, ""], strict=True))
+
+    out = ["% Needs \\usepackage{amsmath} and \\setcounter{MaxMatrixCols}{40}."]
+    for block in (block for section in derive_sections(found) for block in section):
+        if isinstance(block, Heading):
+            out.append(f"\\section*{{{words(block.text)}}}")
+        elif isinstance(block, Formula):
+            out.append("\\begin{align*}\n" + " \\\\\n".join(block.latex) + "\n\\end{align*}")
+        elif isinstance(block, Table):
+            lines = [" & ".join(map(words, row)) + r" \\" for row in (block.head, *block.rows)]
+            out.append(f"\\begin{{tabular}}{{{'l' * len(block.head)}}}\n" + "\n".join(lines) + "\n\\end{tabular}")
+        else:
+            assert isinstance(block, Paragraph)
+            out.append(words(block.text))
+    return "\n\n".join(out) + "\n"
+
+
+def derive_page(found: Derivation) -> Document:
+    subtitle = "worked solution " + ("in numbers" if found.numbers else "as formulas")
+    _, *sections = derive_sections(found)
+    return Document(found.robot, subtitle, tuple(plain(block) for section in sections for block in section))
+
+
+def plain(block: Block) -> Block:
+    """Return a block without marks of formulas in its words."""
+    if isinstance(block, Table):
+        return replace(block, rows=[[cell.replace("`", "") for cell in row] for row in block.rows])
+    return block
