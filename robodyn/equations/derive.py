@@ -101,7 +101,8 @@ class Equation:
 
     Attributes:
         total: a scalar, a vector or a matrix, traced, then of SymPy expressions; as are the values of terms.
-        value: of the left side, where an earlier line has it: what the sum is to be equal to.
+        value: of the left side, where an earlier line has it: what the sum is to be equal to. number: of the first of
+            these component equations.
         grid: names of blocks, in place of terms.
     """
 
@@ -109,6 +110,7 @@ class Equation:
     total: Any = None
     terms: list[Named] = field(default_factory=list)
     value: Any = None
+    number: int = 0
     grid: tuple[tuple[str, ...], ...] = ()
 
 
@@ -276,7 +278,7 @@ class _Sheet:
     def work_out(self, bodies: Iterable[_Body], rules: Rules, find: bool = True) -> list[Part]:
         """Apply rules to bodies in their order, which finds what stands on the left, or with find=False is a law that
         holds for what does."""
-        parts = []
+        parts, number = [], 0
         for body in bodies:
             equations = []
             for letter, rule in rules.items():
@@ -289,7 +291,8 @@ class _Sheet:
                 if find:
                     body.known[letter] = Named(left, self._known(left, equation.total))
                 else:
-                    equation.value = body.known[letter].value
+                    equation.value, number = body.known[letter].value, number + 3
+                    equation.number = number - 2
                 equations.append(equation)
             parts.append(Part(body.title, equations))
         return parts
@@ -313,7 +316,8 @@ def _bodies(lettered: Lettered, sample: Sample, tape: Tape) -> tuple[_Body, list
         every[body.parent].children.append(one)
         one.give(m=m, r=r, I=I, R=motion.R, p=motion.p, e=joint.axis)
         one.give(q=sample.position(joint), qd=sample.speed(joint), qdd=sample.acceleration(joint))
-        one.title = f"Body {i}, {body.name}: {joint.name} {'turns' if one.turns else 'slides'} on body {body.parent}"
+        moves, before = "turns" if one.turns else "slides", model.bodies[body.parent].name
+        one.title = f"Body {i}, {body.name}: its joint {joint.name} {moves} on body {body.parent}, {before}"
         every.append(one)
     return ground, every if model.floating else every[1:]
 
@@ -457,7 +461,7 @@ def _solution(
     if model.floating:
         words.append("Nothing holds the base: F_0 and M_0 vanish. These are the six equations of its motion.")
     i = _generic()
-    general = [f"tau_i = {times(i.e.T, acts).name}" for acts in (i.M, i.F)]
+    general = [f"tau_i = {times(i.e.T, x).name} | where it {moves}" for x, moves in ((i.M, "turns"), (i.F, "slides"))]
     steps.append(Step("The drives", words, general, [Part("", drives)] if drives else ()))
     return _Traced(steps, bodies, tau, alone)
 
@@ -470,8 +474,8 @@ def _system(bodies: list[_Body], model: Model, rows: list[Any]) -> Step:
     parts += ["6 accelerations of the base"] if model.floating else []
     words = [
         "The laws of all bodies together are a system of differential and algebraic equations (DAE). Its differential "
-        f"unknowns are the coordinates, of which second derivatives stand in it: {model.n}. Its algebraic unknowns are "
-        f"the reactions, of which no derivative does: {reactions}.",
+        f"unknowns are the {model.n} coordinates, of which second derivatives stand in it. Its algebraic unknowns are "
+        f"the {reactions} reactions, of which no derivative does.",
         f"Where the motion is given: 6 x {count(n, 'body', 'bodies')} = {6 * n} equations = {' + '.join(parts)} unknown, "
         "and the system is linear and algebraic. Where the drives are given, the accelerations are unknown in their place.",
     ]

@@ -358,8 +358,21 @@ class Writer:
             for shape, polynomial in shapes.items():
                 factor, whole = self.coefficient(polynomial)
                 terms.append(factor * names.get(whole, whole) * self.shape(shape))
-            groups.append(self.monomial(rates) * sympy.Add(*terms))
+            groups.append(gathered(self.monomial(rates), terms))
         return sympy.Add(*groups)
+
+
+def gathered(rates: Any, terms: Sequence[Any]) -> Any:
+    """Return rates times the sum of terms, with the factors that all have, and a minus that all have, before it."""
+    sympy, powers = module(), [term.as_coeff_Mul()[1].as_powers_dict() for term in terms]
+    common = sympy.Mul(*(
+        x ** min(each[x] for each in powers)
+        for x in powers[0]
+        if (x.is_Symbol or x.is_Add) and len(powers) > 1 and all(x in each for each in powers)
+    ))  # fmt: skip
+    parts = [part for term in terms for part in sympy.Add.make_args(term)]
+    sign = -1 if all(part.as_coeff_Mul()[0] < 0 for part in parts) else 1
+    return sympy.Mul(rates, sign, common, sympy.Add(*(term / (sign * common) for term in terms)))
 
 
 def products(waves: Mapping[Wave, float]) -> dict[tuple[Wave, ...], float]:

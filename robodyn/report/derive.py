@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
+from textwrap import wrap
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,9 +25,12 @@ _TOKEN = re.compile(r" x |\^-?\w|sum_k|[A-Za-z]+(?:_\w+)?")
 
 
 class Row(NamedTuple):
+    """left = right, and a word for it; without a left side the equation before goes on; a term is indented."""
+
     left: str
     right: str
     word: str = ""
+    term: bool = False
 
 
 class Plain:
@@ -93,60 +97,54 @@ def rows(equation: Equation, style: Plain) -> Iterator[Row]:
     left, names = style.name(equation.left), style.name(joined(term.name for term in terms))
     if equation.grid:
         yield Row(left, style.matrix([[style.name(x) for x in row] for row in equation.grid]))
-    if equation.total is None:
+    if equation.total is None or str(equation.total) == equation.left:
         return
     if equation.value is not None:
         yield Row(left, names)
-        for a, b in zip(equation.value, equation.total, strict=True):
-            yield Row(style.sum(a), style.sum(b))
+        for k, (a, b) in enumerate(zip(equation.value, equation.total, strict=True), equation.number):
+            yield Row(style.sum(a), style.sum(b), str(k), True)
         return
-    if len(terms) > 1:
-        yield Row(left, names)
-        for term in terms:
-            yield from _value(term.name, term.value, style, term.word)
-    value = list(_value(equation.left, equation.total, style))
-    if len(terms) == 1:
-        (term,) = terms
-        if len(value) == 1:
-            value = [Row(left, f"{names} = {value[0].right}", term.word)]
-        else:
-            yield Row(left, names, term.word)
-    yield from value
+    short, *components = _values(equation.left, equation.total, style)
+    if len(terms) == 1 and short.left == left:
+        yield Row(left, f"{names} = {short.right}", terms[0].word)
+        return
+    if terms:
+        yield Row(left, names, terms[0].word if len(terms) == 1 else "")
+    for term in terms if len(terms) > 1 else ():
+        for row in _values(term.name, term.value, style):
+            yield row._replace(word=term.word, term=True)
+    goes_on = short.left == left and (terms or equation.grid)
+    yield from (short._replace(left="") if goes_on else short, *components)
 
 
-def _value(name: str, value: Any, style: Plain, word: str = "") -> Iterator[Row]:
-    """Yield name = value, of a long vector by components."""
+def _values(name: str, value: Any, style: Plain) -> list[Row]:
+    """Return name = value, of a long vector by components, those that are zero left out."""
     if np.ndim(value) == 0:
-        yield Row(style.name(name), style.sum(value), word)
-    elif np.ndim(value) == 2:
-        yield Row(style.name(name), style.matrix([list(map(style.sum, row)) for row in value]), word)
-    else:
-        entries = [style.sum(x) for x in value]
-        if sum(map(len, map(PLAIN.sum, value))) <= WIDTH:
-            yield Row(style.name(name), style.vector(entries), word)
-            return
-        for k, entry in enumerate(entries):
-            yield Row(style.component(name, k, len(entries)), entry, word)
+        return [Row(style.name(name), style.sum(value))]
+    if np.ndim(value) == 2:
+        return [Row(style.name(name), style.matrix([list(map(style.sum, row)) for row in value]))]
+    if sum(map(len, map(PLAIN.sum, value))) <= WIDTH:
+        return [Row(style.name(name), style.vector([style.sum(x) for x in value]))]
+    return [Row(style.component(name, k, len(value)), style.sum(x)) for k, x in enumerate(value) if x != 0]
 
 
-def _lines(found: Sequence[Row]) -> list[str]:
-    """Return rows as lines of text, equal signs below one another where the left sides are short."""
-    width = max((len(row.left) for row in found if len(row.left) <= 30), default=0)
-    lines = []
-    for left, right, word in found:
+def _lines(found: Sequence[Row]) -> Iterator[str]:
+    """Yield rows as lines of text."""
+    for left, right, word, term in found:
+        start = f"{'      ' if term else '  '}{left or ' '} = "
         first, *others = right.split("\n")
-        lines.append(f"  {left:>{width}} = {first}{f'   ({word})' if word else ''}")
-        lines += [" " * (5 + max(width, len(left))) + other for other in others]
-    return lines
+        yield f"{start}{first}{f'   ({word})' if word else ''}"
+        yield from (" " * len(start) + other for other in others)
 
 
 def formula(equations: Iterable[Equation], title: str = "") -> Formula:
     """Return equations in all forms, below a title that a page unfolds if they are long."""
-    lines, latex = [], []
+    lines, latex = list[str](), list[str]()
     for equation in equations:
         lines += _lines(list(rows(equation, PLAIN)))
-        for left, right, word in rows(equation, MATHEMATICS):
-            latex.append(f"{left} &= {right}" + (rf" \quad \text{{({word})}}" if word else ""))
+        for left, right, word, term in rows(equation, MATHEMATICS):
+            word = rf" \quad \text{{({word})}}" if word else ""
+            latex.append(f"& \\quad {left} = {right}{word}" if term else f"{left} &= {right}{word}")
     return Formula(tuple(lines), tuple(latex), title if sum(map(len, latex)) > FOLDED else "")
 
 
@@ -173,7 +171,16 @@ def _cleaned(equation: Equation) -> Equation:
 
 
 def derive_sections(found: Derivation) -> Iterator[Section]:
-    """Yield what is known, and the steps with their laws and equations."""
+    """Yield what is known, and the steps with their laws and equations, as text."""
+    for section in _sections(found):
+        blocks: list[Block] = []
+        for block in map(plain, section):
+            blocks += map(Paragraph, wrap(block.text, WIDTH + 10)) if isinstance(block, Paragraph) else [block]
+        yield blocks
+
+
+def _sections(found: Derivation) -> Iterator[Section]:
+    """Yield them with formulas in tables between backticks."""
     how = "in numbers" if found.numbers else "as formulas"
     yield [Paragraph(f"{found.robot}: worked solution {how}, {gravity_text(found.gravity)}, SI units")]
     known = [(f"`{name}`", value, meaning) for name, value, meaning in found.known]
@@ -186,11 +193,16 @@ def derive_sections(found: Derivation) -> Iterator[Section]:
             yield [Table("Letters", ("", "value", "what it is"), letters)] if letters else []
             yield [Paragraph(notation(found))]
         if step.laws:
-            pairs = [law.partition(" = ")[::2] for law in step.laws]
-            latex = [f"{MATHEMATICS.name(a)} &= {MATHEMATICS.name(b)}" for a, b in pairs]
-            general = "In general, body i on body j, carrying bodies k:" if any("_i" in law for law in step.laws) else ""
-            lines = _lines([Row(*pair) for pair in pairs])
-            yield [*([Paragraph(general)] if general else []), Formula(tuple(lines), tuple(latex))]
+            latex, lines = [], list[Row]()
+            for law, _, word in (law.partition(" | ") for law in step.laws):
+                left, _, right = law.partition(" = ")
+                lines.append(Row(left, right, word))
+                words = rf" \quad \text{{({word})}}" if word else ""
+                latex.append(f"{MATHEMATICS.name(left)} &= {MATHEMATICS.name(right)}{words}")
+            general = "In general, for body i on body j" * any("_i" in law for law in step.laws)
+            general += ", which carries bodies k" * any("_k" in law for law in step.laws)
+            words = [Paragraph(f"{general}:")] if general else []
+            yield [*words, Formula(tuple(_lines(lines)), tuple(latex))]
         if step.counts:
             head, *cells = step.counts
             yield [Table("", head, [[f"`{x}`" if "_" in x else x for x in row] for row in cells])]
@@ -202,10 +214,12 @@ def derive_sections(found: Derivation) -> Iterator[Section]:
 
 def notation(found: Derivation) -> str:
     """Return how formulas are to be read."""
-    words = "c_1 is cos(q_1), s_12 is sin(q_1 + q_2), and so on; x, y, z after a vector's name is a component."
+    words = "x, y, z after the name of a vector is a component; components that are not shown are zero."
+    if not found.numbers:
+        words = f"c_1 is cos(q_1), s_12 is sin(q_1 + q_2), and so on; {words}"
     if not found.written_out:
         words += " Long expressions are not written out: a line uses the components that lines before it define."
-    return words if not found.numbers else "x, y, z after a vector's name is a component."
+    return words
 
 
 def derive_latex(found: Derivation) -> str:
@@ -217,7 +231,7 @@ def derive_latex(found: Derivation) -> str:
         return "".join(escaped(a) + b for a, b in zip(pieces[::2], [*named, ""], strict=True))
 
     out = ["% Needs \\usepackage{amsmath} and \\setcounter{MaxMatrixCols}{40}."]
-    for block in (block for section in derive_sections(found) for block in section):
+    for block in (block for section in _sections(found) for block in section):
         if isinstance(block, Heading):
             out.append(f"\\section*{{{words(block.text)}}}")
         elif isinstance(block, Formula):
@@ -233,7 +247,7 @@ def derive_latex(found: Derivation) -> str:
 
 def derive_page(found: Derivation) -> Document:
     subtitle = "worked solution " + ("in numbers" if found.numbers else "as formulas")
-    _, *sections = derive_sections(found)
+    _, *sections = _sections(found)
     return Document(found.robot, subtitle, tuple(plain(block) for section in sections for block in section))
 
 
