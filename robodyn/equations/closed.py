@@ -1,234 +1,41 @@
-"""The equations of motion of a small robot in closed form, every entry checked against the recursion in numbers."""
+"""The equations of motion of a small robot in closed form, in numbers or in letters for them; every entry is checked
+against the recursion in numbers."""
 
 from __future__ import annotations
 
-import math
-from collections import defaultdict
-from collections.abc import Callable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from decimal import Decimal
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from robodyn.dynamics.inverse import mass_runner
-from robodyn.equations.ode import bias_plan, check_equations, identifiers
+from robodyn.equations.forms import (
+    LETTERS,
+    PRODUCTS,
+    Coefficient,
+    Forms,
+    Polynomial,
+    Sums,
+    TooLargeError,
+    Writer,
+    expressions,
+    module,
+    named,
+)
+from robodyn.equations.letters import Letter, Lettered
+from robodyn.equations.ode import check_equations, identifiers, units_of
 from robodyn.errors import InputError
 from robodyn.programs.program import Program
 from robodyn.programs.run.numpy_blocks import NumpyBlocks
-from robodyn.programs.scalar import ADD, CONSTANT, COS, DIV, EXP, INPUT, MUL, NEG, SIGN, SIN, SQRT, SUB
+from robodyn.programs.scalar import CONSTANT, INPUT
 from robodyn.robot.model import Model
 from robodyn.scene.scene import DEFAULT, Scene
-from robodyn.support.extras import need
-
-ROUNDING = 4 * 2.0**-52
-"""A coefficient that is a smaller share of what added up to it is zero."""
-
-Angle = tuple[float, ...]
-"""Multiples of the generators; the first that is not zero is positive."""
-DIGITS = 10
-"""Decimals of up to so many digits count as short."""
-SHORT = 16 * 2.0**-52
-"""A coefficient this near a short decimal, as a share of itself, is taken to be that decimal."""
-
-
-class Key(NamedTuple):
-    """`powers` are generators, each as often as its power; `wave` is "cos", or "sin" with an angle that is not zero."""
-
-    powers: tuple[int, ...]
-    wave: str
-    angle: Angle
-
-
-ONE = Key((), "cos", ())
-
-
-class Coefficient(NamedTuple):
-    """A coefficient, and the sum of the magnitudes that added up to it."""
-
-    value: float
-    size: float
-
-
-Polynomial = dict[Key, Coefficient]
-
-
-class TooLargeError(Exception):
-    """More products of terms would be needed than are allowed."""
-
-
-def constant(value: float) -> Polynomial:
-    return {ONE: Coefficient(value, abs(value))} if value else {}
-
-
-def total(a: Polynomial, b: Polynomial, sign: float = 1.0) -> Polynomial:
-    terms = dict(a)
-    for key, (value, size) in b.items():
-        old = terms.get(key, Coefficient(0.0, 0.0))
-        terms[key] = Coefficient(old.value + sign * value, old.size + size)
-    return _pruned(terms)
-
-
-def wave(kind: str, angle: Angle) -> Polynomial:
-    turned, sign = upright(kind, angle)
-    if not turned:
-        return constant(1.0) if kind == "cos" else {}
-    return {Key((), kind, turned): Coefficient(sign, 1.0)}
-
-
-def linear(a: Polynomial) -> tuple[Angle, float] | None:
-    """Return the multiples of generators and the constant that a sums up, if it is no more than that."""
-    multiples: dict[int, float] = {}
-    offset = 0.0
-    for key, (value, _) in a.items():
-        if key.angle or len(key.powers) > 1:
-            return None
-        if key.powers:
-            multiples[key.powers[0]] = value
-        else:
-            offset = value
-    width = max(multiples, default=-1) + 1
-    return tuple(multiples.get(k, 0.0) for k in range(width)), offset
-
-
-def _waves(left: Key, right: Key) -> list[tuple[str, Angle, float]]:
-    """Return the product of two waves as a sum: wave, angle, share."""
-    if not left.angle or not right.angle:
-        other = left if left.angle else right
-        return [(other.wave, other.angle, 1.0)]
-    sum_of, difference = combined_angles(left.angle, right.angle, 1.0), combined_angles(left.angle, right.angle, -1.0)
-    if left.wave == right.wave:
-        share = 0.5 if left.wave == "cos" else -0.5
-        pairs = [("cos", difference, 0.5), ("cos", sum_of, share)]
-    else:
-        pairs = [("sin", sum_of, 0.5), ("sin", difference, 0.5 if left.wave == "sin" else -0.5)]
-    out = []
-    for kind, angle, share in pairs:
-        turned, sign = upright(kind, angle)
-        if turned or kind == "cos":
-            out.append((kind, turned, sign * share))
-    return out
-
-
-def combined_angles(a: Angle, b: Angle, sign: float) -> Angle:
-    width = max(len(a), len(b))
-    padded = zip(a + (0.0,) * (width - len(a)), b + (0.0,) * (width - len(b)), strict=True)
-    return tuple(x + sign * y for x, y in padded)
-
-
-def upright(kind: str, angle: Angle) -> tuple[Angle, float]:
-    """Return the angle with its first multiple positive and without zeros at its end, and the sign of the wave."""
-    width = max((k + 1 for k, x in enumerate(angle) if x), default=0)
-    angle = angle[:width]
-    if next((x for x in angle if x), 0.0) < 0.0:
-        return tuple(-x for x in angle), -1.0 if kind == "sin" else 1.0
-    return angle, 1.0
-
-
-def _pruned(terms: Polynomial) -> Polynomial:
-    return {key: entry for key, entry in terms.items() if abs(entry.value) > ROUNDING * entry.size}
-
-
-class Forms:
-    """Programs in the arithmetic of `robodyn.equations.closed`. What is no such polynomial (the sign of a speed, a
-    root) becomes a generator of its own, with its argument in closed form."""
-
-    def __init__(self, symbols: Mapping[tuple[str, int], Any], products: int) -> None:
-        """Args: symbols: of the inputs; those but q stand apart in results. products: of terms that may be formed."""
-        self._symbols, self._left = symbols, products
-        self._generators: dict[Any, int] = {symbol: k for k, symbol in enumerate(dict.fromkeys(symbols.values()))}
-        self._rates = {symbol for (source, _), symbol in symbols.items() if source != "q"}
-
-    @property
-    def generators(self) -> list[Any]:
-        """The symbols, then what became a generator on the way."""
-        return list(self._generators)
-
-    def outputs(self, program: Program) -> list[Polynomial]:
-        values: list[Polynomial] = []
-        for op, a, b in program.operations:
-            if op is INPUT:
-                values.append(self._generator(self._symbols[a, b]))
-            elif op is CONSTANT:
-                values.append(constant(a))
-            else:
-                values.append(self._operation(op, *(values[k] for k in (a, b) if k is not None)))
-        return [values[k] for k in program.outputs]
-
-    def expression(self, form: Polynomial, least: float = 0.0) -> Any:
-        """Return the SymPy expression of a form by products of rates, without coefficients smaller than `least`."""
-        sympy, symbols = module(), list(self._generators)
-        groups: defaultdict[Any, list[Any]] = defaultdict(list)
-        for key, coefficient in form.items():
-            if abs(coefficient.value) < least:
-                continue
-            powers = [symbols[k] for k in key.powers]
-            rates = sympy.Mul(*(x for x in powers if x in self._rates))
-            rest = sympy.Mul(*(x for x in powers if x not in self._rates))
-            if key.angle:
-                angle = sympy.Add(*(number(x) * symbols[k] for k, x in enumerate(key.angle)))
-                rest *= getattr(sympy, key.wave)(angle)
-            # the short decimal next to a coefficient, if rounding alone can tell them apart
-            value = coefficient.value
-            short = float(f"{value:.{DIGITS - 1}e}")
-            groups[rates].append(number(short if abs(short - value) <= SHORT * abs(value) else value) * rest)
-        return sympy.Add(*(rates * sympy.Add(*terms) for rates, terms in groups.items()))
-
-    def _operation(self, op: str, a: Polynomial, b: Polynomial | None = None) -> Polynomial:
-        if b is None:
-            if op is NEG:
-                return total({}, a, -1.0)
-            return self._turned(op, a) if op in (SIN, COS) else self._opaque(operations()[op](self.expression(a)))
-        if op is MUL:
-            return self._product(a, b)
-        if op is DIV:
-            angle, divisor = linear(b) or ((1.0,), 0.0)
-            inverse = self._opaque(1 / self.expression(b)) if angle else constant(1.0 / divisor)
-            return self._product(a, inverse)
-        return total(a, b, 1.0 if op is ADD else -1.0)
-
-    def _product(self, a: Polynomial, b: Polynomial) -> Polynomial:
-        self._left -= len(a) * len(b)
-        if self._left < 0:
-            raise TooLargeError
-        values: defaultdict[Key, list[float]] = defaultdict(lambda: [0.0, 0.0])
-        for left, (x, x_size) in a.items():
-            for right, (y, y_size) in b.items():
-                powers = tuple(sorted(left.powers + right.powers))
-                for wave, angle, share in _waves(left, right):
-                    entry = values[Key(powers, wave, angle)]
-                    entry[0] += share * x * y
-                    entry[1] += abs(share) * x_size * y_size
-        return _pruned({key: Coefficient(*entry) for key, entry in values.items()})
-
-    def _turned(self, op: str, a: Polynomial) -> Polynomial:
-        """Return the sine or cosine of a; a constant in the angle turns one into the other."""
-        known = linear(a)
-        if known is None:
-            return self._opaque(operations()[op](self.expression(a)))
-        angle, offset = known
-        sine, cosine = wave("sin", angle), wave("cos", angle)
-        first, second = (cosine, sine) if op is COS else (sine, cosine)
-        turned = self._product(second, constant(math.sin(offset)))
-        return total(self._product(first, constant(math.cos(offset))), turned, -1.0 if op is COS else 1.0)
-
-    def _opaque(self, expression: Any) -> Polynomial:
-        if expression.is_number:
-            return constant(float(expression))
-        return self._generator(expression)
-
-    def _generator(self, expression: Any) -> Polynomial:
-        k = self._generators.setdefault(expression, len(self._generators))
-        return {Key((k,), "cos", ()): Coefficient(1.0, 1.0)}
-
-
-Symbols = Mapping[tuple[str, int], Any]
+from robodyn.support.floats import Floats
 
 MOST_JOINTS = 6
-"""Coordinates of a robot whose closed form can be written down."""
-PRODUCTS = 500_000
-"""Of terms, for M and for each effect: some seconds at most."""
+"""Coordinates of joints of a robot whose closed form can be written down; those of a base that moves come on top."""
 LONGEST = 20_000
 """Operations of an entry that is not simplified."""
 REMEDY = "--form ode has numbers at a configuration, robodyn export writes them as code"
@@ -238,6 +45,10 @@ FLOOR = 1e-3
 """An entry is compared with the largest of its unit, or with this share of the largest of all if that is more."""
 NEGLIGIBLE = 1e-15
 """A smaller share of the largest coefficient of its unit is what rounding leaves of the description's zeros."""
+DIGITS = 10
+"""Decimals of up to so many digits count as short."""
+SHORT = 16 * 2.0**-52
+"""A coefficient this near a short decimal, as a share of itself, is taken to be that decimal."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -245,8 +56,11 @@ class Closed:
     """M(q) qdd + the sum of the bias's parts = tau, as SymPy expressions.
 
     Attributes:
-        joints: names of the coordinates; kinds: "revolute" or "prismatic".
-        q, qd: the symbols, q_<joint> and qd_<joint>.
+        rates: names of the rates; kinds: "revolute", "prismatic", or "floating" six times for a base that moves, whose
+            rates are in its own axes: w_x .. v_z, with the accelerations wd_x .. a_z.
+        q, qd, qdd: the symbols, q_<joint> and so on, with `symbols` q_<number of the body>; q None of a base.
+        symbols: the letters that occur; gravity's in the axes of the base, of one that moves.
+        constants: sums of letters that occur more than once, by symbol; a later one may contain earlier ones.
         M: rows of entries.
         bias: entries of each part, by effect: gravity, coriolis, frictions and so on.
         plain: how many entries are left as the recursion makes them, unsimplified.
@@ -255,142 +69,199 @@ class Closed:
 
     robot: str
     gravity: tuple[float, float, float]
-    joints: tuple[str, ...]
+    rates: tuple[str, ...]
     kinds: tuple[str, ...]
     q: tuple[Any, ...]
     qd: tuple[Any, ...]
+    qdd: tuple[Any, ...]
+    symbols: tuple[Letter, ...]
+    constants: Mapping[Any, Any]
     M: tuple[tuple[Any, ...], ...]
     bias: Mapping[str, tuple[Any, ...]]
     plain: int
     error: float
 
+    @property
+    def entries(self) -> dict[tuple[str, int, int], Any]:
+        """The entries of M's upper triangle and of each part of the bias by ("M" or effect, row, column or -1)."""
+        n = len(self.rates)
+        found = {("M", i, j): self.M[i][j] for i in range(n) for j in range(i, n)}
+        return found | {(name, i, -1): x for name, part in self.bias.items() for i, x in enumerate(part)}
 
-def closed(model: Model, scene: Scene = DEFAULT, products: int = PRODUCTS) -> Closed:
+
+def closed(
+    model: Model,
+    scene: Scene = DEFAULT,
+    products: int = PRODUCTS,
+    symbols: Sequence[str] = (),
+    positive: Iterable[str] = (),
+) -> Closed:
     """Return the equations of motion in closed form.
 
     The traced recursion, run on trigonometric polynomials: every entry is a sum of sines and cosines of sums of angles,
-    which is unique. Each entry is then compared with the recursion in numbers at random states; one that differs, or
-    that needs too much work, is left as the recursion makes it.
+    which is unique. Each entry is then compared with the recursion in numbers at random states, half of them at random
+    values of the letters; one that differs, or that needs too much work, is left as the recursion makes it.
 
     Args:
         products: of terms that may be formed for M and for each effect.
+        symbols: kinds of numbers that get letters, of `letters.KINDS`; positive: letters that SymPy may take to be.
 
     Raises:
-        InputError: the robot is too large, its base moves, there are no equations, or SymPy is not installed.
+        InputError: the robot is too large, there are no equations, no such letters, or SymPy is not installed.
 
     Accuracy: every entry within 1e-12 of the largest of its unit.
     """
     check_equations(model, scene)
-    if model.nq != model.n:
-        raise InputError("a floating joint has no closed form here", remedy=REMEDY, file=model.file)
-    if model.n > MOST_JOINTS:
-        what = f"{model.n} coordinates are too many for a closed form, which goes up to {MOST_JOINTS}"
-        raise InputError(what, remedy=REMEDY, file=model.file)
-    n, names = model.n, identifiers(model.rates, "joint")
-    symbols = {
-        (source, i): module().Symbol(f"{source}_{name}", real=True)
-        for source in ("q", "qd")
-        for i, name in enumerate(names)
-    }
-    kinds = [joint.kind for joint in model.independent]
-    pairs = [f"{min(a, b)} {max(a, b)}" for a in kinds for b in kinds]
-    mass = _part(mass_runner(model, scene).program, symbols, pairs, products)
-    plan = bias_plan(model, scene)
-    effects = [effect for effect in plan.effects if effect.name != "mimic"]
-    parts = {effect.name: _part(plan.share(effect), symbols, kinds, products) for effect in effects}
+    _check_size(model, scene)
+    lettered = Lettered(model, scene, symbols, positive)
+    n, units = model.n, units_of(model)
+    pairs = [" ".join(sorted((units[i], units[j]))) for i in range(n) for j in range(i, n)]
+    parts = {"M": _Part(lettered, lettered.mass(upper=True), pairs, products)}
+    for effect in lettered.plan.effects:
+        if effect.name != "mimic":
+            parts[effect.name] = _Part(lettered, lettered.share(effect), units, products)
+    named_by, constants = _constants(parts.values())
+    entries = {name: part.entries(named_by, constants) for name, part in parts.items()}
+    upper = iter(entries.pop("M"))
+    triangle = {(i, j): next(upper) for i in range(n) for j in range(i, n)}
+    used = set[Any]().union(*(x.free_symbols for part in (triangle.values(), *entries.values()) for x in part))
+    for symbol in reversed(constants):
+        used |= constants[symbol].free_symbols if symbol in used else set()
+    names = {} if symbols else _by_joint(model, lettered)
+    places = [k for joint in model.independent for k in ([-1] * 6 if joint.kind == "floating" else [joint.coordinate])]
+    q, *rates = (
+        tuple(names.get(x, x) for x in (lettered.symbols.get((source, k)) for k in columns))
+        for source, columns in (("q", places), ("qd", range(n)), ("qdd", range(n)))
+    )
     return Closed(
         robot=model.name,
         gravity=scene.gravity,
-        joints=model.rates,
-        kinds=tuple(kinds),
-        q=tuple(symbols["q", i] for i in range(n)),
-        qd=tuple(symbols["qd", i] for i in range(n)),
-        M=tuple(tuple(mass[0][n * i : n * i + n]) for i in range(n)),
-        bias={name: tuple(entries) for name, (entries, _, _) in parts.items()},
-        plain=sum(plain for _, _, plain in (mass, *parts.values())),
-        error=max(error for _, error, _ in (mass, *parts.values())),
+        rates=model.rates,
+        kinds=tuple(joint.kind for joint in model.independent for _ in range(6 if joint.kind == "floating" else 1)),
+        q=q,
+        qd=rates[0],
+        qdd=rates[1],
+        symbols=tuple(x for k, x in enumerate(lettered.letters) if lettered.symbols[LETTERS, k] in used),
+        constants={symbol: whole for symbol, whole in constants.items() if symbol in used},
+        M=tuple(tuple(triangle[min(i, j), max(i, j)].xreplace(names) for j in range(n)) for i in range(n)),
+        bias={name: tuple(x.xreplace(names) for x in part) for name, part in entries.items()},
+        plain=sum(part.plain for part in parts.values()),
+        error=max(part.error for part in parts.values()),
     )
 
 
-def _part(program: Program, symbols: Symbols, units: Sequence[str], products: int) -> tuple[list[Any], float, int]:
-    """Return the outputs of a program in closed form, how far they are from its numbers, and how many are as the
-    recursion makes them; outputs of the same unit compare."""
-    states = np.random.default_rng(0).uniform(-2.0, 2.0, (STATES, len(symbols)))
-    n = len(symbols) // 2
-    numbers = NumpyBlocks(program, {"q": n, "qd": n})({"q": states[:, :n], "qd": states[:, n:]}, STATES)
-    forms, found = Forms(symbols, products), list[Polynomial]()
-    with suppress(TooLargeError):
-        found = forms.outputs(program)
-    alike = {unit: [k for k, other in enumerate(units) if other == unit] for unit in units}
-    sizes = [max((abs(x.value) for x in form.values()), default=0.0) for form in found]
-    errors: dict[int, float] = {}
-    entries: list[Any] = [None] * len(units)
-    for k, (form, unit) in enumerate(zip(found, units, strict=False)):
-        least = NEGLIGIBLE * max(*(sizes[i] for i in alike[unit]), FLOOR * max(sizes))
-        expression = forms.expression(form, least)
-        scale = max(float(np.abs(numbers[:, alike[unit]]).max()), FLOOR * float(np.abs(numbers).max()))
-        off = np.abs(module().lambdify(list(symbols.values()), expression, "numpy")(*states.T) - numbers[:, k])
-        error = float(off.max()) / (scale or 1.0)
-        if error <= TOLERANCE:
-            entries[k], errors[k] = expression, error
-    if len(errors) < len(units):
+def _check_size(model: Model, scene: Scene) -> None:
+    joints = [body.joint for body in model.bodies]
+    if any(joint.kind == "floating" for joint in joints[1:]):
+        raise InputError("a floating joint between bodies has no closed form here", remedy=REMEDY, file=model.file)
+    if (many := model.n - 6 * model.floating) > MOST_JOINTS:
+        what = f"{many} coordinates are too many for a closed form, which goes up to {MOST_JOINTS}"
+        raise InputError(what, remedy=REMEDY, file=model.file)
+    fixed = any(wrench.frame == "world" and not wrench.axes for wrench in scene.wrenches) or any(scene.fluid_velocity)
+    if model.floating and fixed:
+        what = "wrenches and streams in axes of the world have no closed form for a base that turns"
+        raise InputError(what, remedy=REMEDY, file=model.file)
+
+
+def _by_joint(model: Model, lettered: Lettered) -> dict[Any, Any]:
+    """Return symbols q_<joint> and so on for q_<number of the body>."""
+    out, names = {}, identifiers(model.rates, "joint")
+    for joint in model.independent:
+        for source, k in (("q", joint.coordinate), ("qd", joint.rate), ("qdd", joint.rate)):
+            if joint.kind != "floating":
+                out[lettered.symbols[source, k]] = module().Symbol(f"{source}_{names[joint.rate]}", real=True)
+    return out
+
+
+class _Part:
+    """M or the part of an effect.
+
+    Attributes:
+        sums: of each output, empty if that is too much work.
+        plain: how many entries are left as the recursion makes them; error: of the others.
+    """
+
+    def __init__(self, lettered: Lettered, program: Program, units: Sequence[str], products: int) -> None:
+        """Args: units: of the outputs; those of the same unit compare."""
+        self._lettered, self._program, self._units = lettered, program, units
+        self.plain, self.error, self.sums = 0, 0.0, list[Sums]()
+        forms, found = Forms(lettered.symbols, products), list[Polynomial]()
+        self._writer = Writer(forms)
+        with suppress(TooLargeError):
+            found = forms.outputs(program)
+        sizes = [max((abs(x.value) for x in form.values()), default=0.0) for form in found]
+        for form, unit in zip(found, units, strict=False):
+            alike = (size for size, other in zip(sizes, units, strict=True) if other == unit)
+            least = NEGLIGIBLE * max(*alike, FLOOR * max(sizes))
+            kept = {key: _snapped(entry) for key, entry in form.items() if abs(entry.value) >= least}
+            self.sums.append(self._writer.sums(kept))
+
+    def entries(self, names: Mapping[Any, Any], constants: Mapping[Any, Any]) -> list[Any]:
+        """Return the outputs with names for what occurs often, each checked at random states."""
+        symbols = self._lettered.symbols
+        states, numbers = self._states()
+        columns = list(symbols.values())
+        for symbol, whole in constants.items():
+            states.append(module().lambdify(columns, whole, "numpy")(*states))
+            columns.append(symbol)
+        out: list[Any] = [None] * len(self._units)
+        for k, sums in enumerate(self.sums):
+            expression = self._writer.assembled(sums, names)
+            off = np.abs(module().lambdify(columns, expression, "numpy")(*states) - numbers[:, k])
+            alike = np.abs(numbers[:, [i for i, unit in enumerate(self._units) if unit == self._units[k]]])
+            error = 0.0
+            for half in (slice(0, STATES // 2), slice(STATES // 2, STATES)):
+                scale = max(float(alike[half].max()), FLOOR * float(np.abs(numbers[half]).max()))
+                error = max(error, float(off[half].max()) / (scale or 1.0))
+            if error <= TOLERANCE:
+                out[k], self.error = expression, max(self.error, error)
+        if (plain := out.count(None)) > 0:
+            self._check_length()
+            whole = expressions(self._program, symbols)
+            out = [whole[k] if entry is None else entry for k, entry in enumerate(out)]
+        self.plain = plain
+        return out
+
+    def _states(self) -> tuple[list[Floats], Floats]:
+        """Return random values of each symbol, letters first at their own, and the outputs in numbers there."""
+        random, places = np.random.default_rng(0), self._lettered.symbols
+        letters = self._lettered.letters
+        widths = {source: 1 + max((k for name, k in places if name == source), default=-1) for source, _ in places}
+        sources = {source: random.uniform(-2.0, 2.0, (STATES, width)) for source, width in widths.items()}
+        if letters:
+            sources[LETTERS] = random.uniform(0.5, 1.5, (STATES, len(letters)))
+            sources[LETTERS][: STATES // 2] = [letter.value for letter in letters]
+        numbers = NumpyBlocks(self._program, widths)(sources, STATES)
+        return [sources[source][:, k] for source, k in places], numbers
+
+    def _check_length(self) -> None:
         lengths: list[int] = []
-        for op, a, b in program.operations:
+        for op, a, b in self._program.operations:
             leaf = op is INPUT or op is CONSTANT
             lengths.append(1 if leaf else 1 + lengths[a] + (0 if b is None else lengths[b]))
-        longest = max(lengths[k] for k in program.outputs)
+        longest = max(lengths[k] for k in self._program.outputs)
         if longest > LONGEST:
             raise InputError(f"the closed form of this robot has an entry of {longest} operations", remedy=REMEDY)
-        plain = expressions(program, symbols)
-        entries = [entries[k] if k in errors else plain[k] for k in range(len(units))]
-    return entries, max(errors.values(), default=0.0), len(units) - len(errors)
 
 
-def decimal(expression: Any) -> Any:
-    """Return the same expression with floats of 17 digits for its fractions; exponents stay."""
-    sympy = module()
-    if expression.is_Rational:
-        return expression if expression.is_Integer else sympy.Float(expression, 17)
-    if expression.is_Pow:
-        return sympy.Pow(decimal(expression.base), expression.exp)
-    return expression.func(*map(decimal, expression.args)) if expression.args else expression
+def _snapped(entry: Coefficient) -> Coefficient:
+    """Return the short decimal next to a coefficient, if rounding alone can tell them apart."""
+    short = float(f"{entry.value:.{DIGITS - 1}e}")
+    return entry._replace(value=short) if abs(short - entry.value) <= SHORT * abs(entry.value) else entry
 
 
-def expressions(program: Program, symbols: Symbols) -> list[Any]:
-    """Return the outputs of a program as SymPy expressions of its inputs, which are symbols or expressions."""
-    return program.evaluated(lambda source, column: symbols[source, column], number, operations())
-
-
-def number(value: float) -> Any:
-    """Return a SymPy number: the rational that a short decimal stands for, else a float of 17 digits."""
-    sympy = module()
-    text = repr(float(value))
-    if len(Decimal(text).normalize().as_tuple().digits) <= DIGITS:
-        return sympy.Rational(text)
-    return sympy.Float(float(value), 17)
-
-
-def operations() -> dict[str, Callable[..., Any]]:
-    sympy = module()
-    return {
-        ADD: sympy.Add,
-        MUL: sympy.Mul,
-        SUB: lambda a, b: a - b,
-        DIV: lambda a, b: a / b,
-        NEG: lambda a: -a,
-        SQRT: sympy.sqrt,
-        SIN: sympy.sin,
-        COS: sympy.cos,
-        SIGN: sympy.sign,
-        EXP: sympy.exp,
-    }
-
-
-def module() -> Any:
-    """SymPy; an InputError where it is not installed."""
-    try:
-        import sympy
-    except ImportError:
-        need("closed forms", "sympy")
-        raise
-    return sympy
+def _constants(parts: Iterable[_Part]) -> tuple[dict[Any, Any], dict[Any, Any]]:
+    """Return symbols A_1, A_2, .. for what occurs often, and by symbol what it stands for: sums of letters, alone or
+    times other letters, that occur more than once; products of at least three letters that do so more than twice."""
+    found = [x[1:] for part in parts for each in part.sums for shapes in each.values() for x in shapes.values()]
+    times = Counter(found)
+    often = {(x, whole) for (x, whole), k in times.items() if (k > 1 if whole.args else k > 2 and x.count_ops() > 1)}
+    wholes = Counter(whole for x, whole in times for _ in range(1 if (x, whole) in often else times[x, whole]))
+    names, constants = dict[Any, Any](), dict[Any, Any]()
+    for product, whole in times:
+        for x in (whole,) * (whole.args != () and wholes[whole] > 1) + (product * whole,) * ((product, whole) in often):
+            if x not in names:
+                symbol = module().Symbol(f"A_{len(names) + 1}", real=True)
+                constants[symbol] = x if x == whole else named(product, whole, names)
+                names[x] = symbol
+    return names, constants

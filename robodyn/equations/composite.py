@@ -11,7 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from robodyn.dynamics.effects.effect import Sample
-from robodyn.equations.closed import MOST_JOINTS, TooLargeError
+from robodyn.equations.closed import MOST_JOINTS
+from robodyn.equations.forms import TooLargeError
 from robodyn.equations.letters import KINDS, Letter, Lettered, snapped
 from robodyn.errors import InputError
 from robodyn.programs.scalar import Tape

@@ -18,7 +18,8 @@ import numpy as np
 from robodyn.dynamics.effects.effect import Effect, Sample
 from robodyn.dynamics.inverse import bias_forces, mass_matrix
 from robodyn.dynamics.plan import Plan, applied, at_rest, loads
-from robodyn.equations.closed import MOST_JOINTS, Forms, TooLargeError, module
+from robodyn.equations.closed import MOST_JOINTS
+from robodyn.equations.forms import Forms, TooLargeError, module
 from robodyn.equations.letters import AXES, SOURCE, Letter, Lettered
 from robodyn.equations.ode import check_equations
 from robodyn.errors import InputError, SceneError
@@ -298,10 +299,9 @@ class _Sheet:
         return parts
 
 
-def _bodies(lettered: Lettered, sample: Sample, tape: Tape) -> tuple[_Body, list[_Body]]:
+def _bodies(lettered: Lettered, gravity: Array, sample: Sample, tape: Tape) -> tuple[_Body, list[_Body]]:
     """Return the ground, in the axes of a base that is held, and the bodies that move, with what is given of them."""
     model, motions = sample.model, sample.motions()
-    gravity = lettered.gravity(tape)
     ground = _Body("0")
     every: list[_Body] = []
     for i, (body, motion) in enumerate(zip(model.bodies, motions, strict=True)):
@@ -413,7 +413,7 @@ WORDS = {
 
 
 def _solution(
-    lettered: Lettered, effects: Sequence[Effect], sample: Sample, tape: Tape, known: list[str] | None, names: list[str]
+    lettered: Lettered, gravity: Array, sample: Sample, tape: Tape, known: list[str] | None, names: list[str]
 ) -> _Traced:
     """Return the steps from frames to drives.
 
@@ -421,10 +421,9 @@ def _solution(
         known, names: of components that lines find, and of reactions, to be filled; without `known` all is written out.
     """
     sheet, model, scene = _Sheet(tape, known), sample.model, lettered.plan.scene
-    ground, bodies = _bodies(lettered, sample, tape)
-    beside = {
-        effect.name: effect.add(at_rest(sample), sample, scene).at_joint for effect in effects if effect.name in AT_JOINTS
-    }
+    ground, bodies = _bodies(lettered, gravity, sample, tape)
+    effects = [effect for effect in Plan(lettered.plan.model, scene).effects if effect.name in AT_JOINTS]
+    beside = {effect.name: effect.add(at_rest(sample), sample, scene).at_joint for effect in effects}
     acting = {str(i) for torques in beside.values() for i in torques}
     given = [] if model.floating else [Part("Ground", [Equation("g_0", ground.g.value)])]
     for body in bodies:
@@ -524,7 +523,7 @@ class _Collected(NamedTuple):
     alone: Array
 
 
-def _collected(lettered: Lettered, effects: Sequence[Effect], sample: Sample, tape: Tape) -> _Collected:
+def _collected(lettered: Lettered, gravity: Array, sample: Sample) -> _Collected:
     """Run the recursion with one unit acceleration at a time, and with each effect where nothing accelerates."""
     n, scene = sample.model.n, lettered.plan.scene
     still = replace(sample, qdd=(0.0,) * n)
@@ -540,8 +539,9 @@ def _collected(lettered: Lettered, effects: Sequence[Effect], sample: Sample, ta
     for effect in lettered.plan.effects:
         if effect.name != "mimic":
             terms = effect.add(effect.background(at_rest(still), still, scene), still, scene)
-            terms = replace(terms, gravity=lettered.gravity(tape)) if terms.gravity.any() else terms
+            terms = replace(terms, gravity=gravity) if terms.gravity.any() else terms
             shares[effect.name] = loads(still, terms).tau
+    effects = Plan(lettered.plan.model, scene).effects
     accelerating = [effect for effect in effects if effect not in lettered.plan.effects]
     return _Collected(mass(accelerating), shares, mass([one for one in accelerating if one.name not in AT_JOINTS]))
 
@@ -689,7 +689,8 @@ def derive(
             if source == kind:
                 of = model.coordinates[i] if kind == "q" else model.rates[i]
                 rows.append((symbol.name, "" if state is None else f"{state[k][i]:.6g}", f"{meaning} of {of}"))
-    return Derivation(model.name, scene.gravity, lettered.letters, tuple(rows), numbers, written_out, steps)
+    letters = tuple(letter for letter in lettered.letters if not (numbers and letter.kind == "g"))
+    return Derivation(model.name, scene.gravity, letters, tuple(rows), numbers, written_out, steps)
 
 
 def _with_payloads(model: Model, scene: Scene) -> tuple[Model, Scene]:
@@ -726,12 +727,13 @@ class _Pieces(NamedTuple):
 
 
 def _pieces(lettered: Lettered, state: State | None, tape: Tape, known: list[str] | None, names: list[str]) -> _Pieces:
-    effects, sample = Plan(lettered.plan.model, lettered.plan.scene).effects, lettered.sample(tape)
+    sample, gravity = lettered.sample(tape), lettered.gravity(tape)
     if state is not None:
+        gravity = np.array(lettered.plan.scene.gravity, dtype=object)
         q, qd, qdd = (tuple(part.tolist()) for part in state)
         sample = replace(sample, q=q, qd=qd, qdd=qdd)
-    solved = _solution(lettered, effects, sample, tape, known, names)
-    collected = _collected(lettered, effects, sample, tape)
+    solved = _solution(lettered, gravity, sample, tape, known, names)
+    collected = _collected(lettered, gravity, sample)
     return _Pieces(sample, solved, collected, _order_formulation(solved.bodies, sample.model, sample))
 
 
@@ -754,7 +756,7 @@ def _written(lettered: Lettered, state: State | None, agreed: Sequence[str], wri
     program, symbol = trace(outputs), module().Symbol
     lettered.symbols |= {(KNOWN, k): symbol(name, real=True) for k, name in enumerate(known or ())}
     lettered.symbols |= {(REACTIONS, k): symbol(name, real=True) for k, name in enumerate(names)}
-    distinct = lettered.written(program.distinct, longest=LONGEST if written_out else None)
+    distinct = lettered.written(program.distinct, longest=LONGEST if written_out else np.inf)
     entries = iter([distinct[k] for k in program.homes])
 
     def written(array: Any) -> Any:

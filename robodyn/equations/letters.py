@@ -7,17 +7,16 @@ numbers of links that the same link carries in the same way, as the two arrays o
 from __future__ import annotations
 
 import math
-from collections import Counter, defaultdict
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
 from robodyn.dynamics.effects.effect import Effect, Sample
 from robodyn.dynamics.plan import Plan, applied, at_rest, loads
-from robodyn.equations.closed import PRODUCTS, Angle, Forms, Polynomial, TooLargeError, combined_angles, module, number, upright
+from robodyn.equations.forms import LETTERS as SOURCE
+from robodyn.equations.forms import PRODUCTS, Forms, TooLargeError, expression, module
 from robodyn.equations.ode import bias_plan
 from robodyn.errors import InputError
 from robodyn.programs.derivative import jacobian
@@ -38,11 +37,8 @@ MEANINGS = {
     "I": "inertia of {} about its mass centre, {} [kg m^2]",
     "g": "gravity [m/s^2]",
 }
-FACTORED = 10
-"""Terms of a sum that is factored, if it can be."""
 ROUNDING = 1e-12
 """Numbers are equal, or zero, within this part of the largest of their vector or matrix."""
-SOURCE = "letters"
 AXES = "xyz"
 
 
@@ -71,9 +67,10 @@ class Letters:
         self._kinds, self._model = kinds, model
         self.all: list[Letter] = []
         self._of: dict[tuple[Any, ...], list[int]] = {}
-        self._masses = [self._body(i) for i in range(len(model.bodies))]
-        self._offsets = [self._offset(i) for i in range(len(model.bodies))]
-        self._gravity = self._vector("g", "g", scene.gravity, ("gravity",), "")
+        each = range(len(model.bodies))
+        self._masses, self._offsets = [self._mass(i) for i in each], [self._offset(i) for i in each]
+        self._centres, self._about = [self._centre(i) for i in each], [self._inertia(i) for i in each]
+        self._gravity = self._of_gravity(scene)
 
     @property
     def values(self) -> list[float]:
@@ -82,12 +79,12 @@ class Letters:
     def model(self, model: Model, tape: Tape) -> Model:
         """Return the same model with inputs of the tape for its letters; its arrays are of objects."""
         bodies = []
-        for i, (body, p) in enumerate(zip(model.bodies, self._offsets, strict=True)):
-            mass, centre, about = self.mass_properties(i, tape)
+        for i, body in enumerate(model.bodies):
+            (mass, centre, about), p = self.mass_properties(i, tape), self._array(self._offsets[i], tape)
             moment = centre * mass
             S = skew(centre)
             inertia = Inertia(mass, moment, about - (S @ S) * mass)
-            joint = replace(body.joint, p=self._array(p, tape), R=snapped(body.joint.R), axis=snapped(body.joint.axis))
+            joint = replace(body.joint, p=p, R=snapped(body.joint.R), axis=snapped(body.joint.axis))
             bodies.append(replace(body, inertia=inertia, joint=joint))
         return replace(model, bodies=tuple(bodies))
 
@@ -96,33 +93,46 @@ class Letters:
         return [self.mass_properties(i, tape) for i in range(len(self._masses))]
 
     def mass_properties(self, i: int, tape: Tape) -> tuple[Scalar, Array, Array]:
-        """Return mass, mass centre and inertia matrix about it of body i."""
-        m, c, I = self._masses[i]
-        return self._scalar(m, tape), self._array(c, tape), self._array(I, tape).reshape(3, 3)
+        """Return mass, mass centre and inertia matrix about it of body i, in its axes."""
+        centre, about = (self._array(x[i], tape) for x in (self._centres, self._about))
+        return self._scalar(self._masses[i], tape), centre, about.reshape(3, 3)
 
     def gravity(self, tape: Tape) -> Array:
         return self._array(self._gravity, tape)
 
-    def _body(self, i: int) -> tuple[Any, list[Any], list[Any]]:
+    def _twin(self, i: int) -> tuple[int, ...]:
+        """What makes equal numbers of bodies of equal meaning: that the same body carries them."""
+        parent = self._model.bodies[i].parent
+        return (parent,) if parent >= 0 else (-1, i)
+
+    def _mass(self, i: int) -> Any:
         body = self._model.bodies[i]
-        m, c, I = float(body.inertia.m), body.inertia.centre_of_mass, np.asarray(body.inertia.about_centre, dtype=float)
-        twin = (body.parent,) if body.parent >= 0 else ()
-        scale = float(np.abs(body.inertia.I).max())
+        m = float(body.inertia.m)
+        return self._entry("m", f"m_{i}", m, abs(m), ("m", *self._twin(i)), (body.name,))
+
+    def _centre(self, i: int) -> list[Any]:
+        body = self._model.bodies[i]
+        return self._vector("c", f"c_{i}", body.inertia.centre_of_mass, ("c", *self._twin(i)), body.name)
+
+    def _inertia(self, i: int) -> list[Any]:
+        body = self._model.bodies[i]
+        I, scale = np.asarray(body.inertia.about_centre, dtype=float), float(np.abs(body.inertia.I).max())
         entries: list[Any] = [0.0] * 9
         for a in range(3):
             for b in range(a, 3):
-                kind = "moment" if a == b else AXES[a] + AXES[b]
-                entry = self._entry(
-                    "I",
-                    f"I_{i}{AXES[a]}{AXES[b]}",
-                    float(I[a, b]),
-                    scale,
-                    ("I", kind, *twin),
-                    (body.name, AXES[a] + AXES[b]),
-                )
+                axes = AXES[a] + AXES[b]
+                alike = ("I", "moment" if a == b else axes, *self._twin(i))
+                entry = self._entry("I", f"I_{i}{axes}", float(I[a, b]), scale, alike, (body.name, axes))
                 entries[3 * a + b] = entries[3 * b + a] = entry
-        mass = self._entry("m", f"m_{i}", m, m, ("m", *twin), (body.name,))
-        return mass, self._vector("c", f"c_{i}", c, ("c", *twin), body.name), entries
+        return entries
+
+    def _of_gravity(self, scene: Scene) -> list[Any]:
+        """Return one letter along an axis; all three where the base turns, in its axes."""
+        if not (self._model.floating and any(scene.gravity)):
+            return self._vector("g", "g", scene.gravity, ("gravity",), "")
+        for axis, value in zip(AXES, scene.gravity, strict=True):
+            self.all.append(Letter(f"g_{axis}", "g", float(value), MEANINGS["g"]))
+        return [(1.0, len(self.all) - 3 + k) for k in range(3)]
 
     def _offset(self, i: int) -> list[Any]:
         body = self._model.bodies[i]
@@ -130,7 +140,7 @@ class Letters:
         if j < 0:
             return list(map(float, body.joint.p))
         siblings = [k for k, other in enumerate(self._model.bodies) if other.parent == j]
-        name = f"l_{j}" if len(siblings) == 1 or i == siblings[0] else f"l_{j},{i}"
+        name = f"l_{j}" if len(siblings) == 1 or i == siblings[0] else f"l_{j}_{i}"
         return self._vector("l", name, body.joint.p, ("l", j), self._model.bodies[j].name, short=True)
 
     def _vector(
@@ -195,9 +205,10 @@ class Lettered:
     def __init__(
         self, model: Model, scene: Scene = DEFAULT, kinds: Sequence[str] = KINDS, positive: Iterable[str] = ()
     ) -> None:
-        """Args: kinds: of the letters; none leaves all numbers. positive: names of symbols that SymPy may take to be.
+        """Args: kinds: of the letters; none leaves all numbers but the gravity on a base that moves. positive: names of
+        letters that SymPy may take to be.
 
-        Raises: InputError for a kind that is none of KINDS, or a positive name that is none of a symbol.
+        Raises: InputError for a kind that is none of KINDS, or a positive name of no letter or of one that is not.
         """
         self.plan, self._letters = bias_plan(model, scene), Letters(model, scene, kinds)
         self.letters, names = tuple(self._letters.all), {}
@@ -211,9 +222,12 @@ class Lettered:
                 names["q", joint.coordinate] = f"q_{k}"
                 names["qd", joint.rate], names["qdd", joint.rate] = f"qd_{k}", f"qdd_{k}"
         names |= {(SOURCE, k): letter.name for k, letter in enumerate(self.letters)}
-        given = set(positive)
-        if unknown := sorted(given - set(names.values())):
-            raise InputError(f"no symbol {unknown[0]}", remedy=alternatives(unknown[0], [*names.values()], "symbols"))
+        given, values = set(positive), {letter.name: letter.value for letter in self.letters}
+        for name in sorted(given):
+            if name not in values:
+                raise InputError(f"no symbol {name}", remedy=alternatives(name, list(values), "symbols"))
+            if values[name] <= 0.0:
+                raise InputError(f"{name} is {values[name]:g}, not positive", remedy="leave the assumption out")
         self.symbols = {
             place: module().Symbol(name, real=True, positive=name in given or None) for place, name in names.items()
         }
@@ -239,7 +253,7 @@ class Lettered:
         """Return the program of scalars that are made of a sample."""
         return trace(lambda tape: outputs(tape, self.sample(tape)))
 
-    def written(self, program: Program, allowed: int = PRODUCTS, longest: int | None = None) -> list[Any]:
+    def written(self, program: Program, allowed: int = PRODUCTS, longest: float = math.inf) -> list[Any]:
         """Return the outputs of a program as SymPy expressions, each by itself.
 
         Raises: TooLargeError where more products of terms would be formed than are allowed, or an output has more terms
@@ -247,20 +261,20 @@ class Lettered:
         """
         forms = Forms(self.symbols, allowed)
         found = forms.outputs(program)
-        if longest is not None and max(map(len, found), default=0) > longest:
+        if max(map(len, found), default=0) > longest:
             raise TooLargeError
-        writer = Writer(forms, self)
-        return [writer.expression(form) for form in found]
+        return [expression(forms, form) for form in found]
 
-    def mass(self) -> Program:
-        """M, row by row: the derivative of the torques by the accelerations."""
+    def mass(self, upper: bool = False) -> Program:
+        """M, row by row, or of each row what is not left of the diagonal: the derivative of the torques by the
+        accelerations."""
 
         def outputs(tape: Tape, sample: Sample) -> Iterable[Scalar]:
             moving = replace(sample, qd=(0.0,) * sample.model.n)
-            effects = Plan(self.plan.model, self.plan.scene).effects
+            effects = [effect for effect in Plan(self.plan.model, self.plan.scene).effects if not effect.by_load]
             terms = replace(applied(effects, moving, self.plan.scene), gravity=ZERO)
             rows = jacobian(loads(moving, terms).tau, [{rate: 1.0} for rate in sample.qdd])
-            return [x for row in rows for x in row]
+            return [x for i, row in enumerate(rows) for x in row[i if upper else 0 :]]
 
         return self.program(outputs)
 
@@ -269,153 +283,11 @@ class Lettered:
 
         def outputs(tape: Tape, sample: Sample) -> Iterable[Scalar]:
             still = replace(sample, qdd=(0.0,) * sample.model.n)
-            terms = effect.add(effect.background(at_rest(still), still, self.plan.scene), still, self.plan.scene)
-            if terms.gravity.any():
-                terms = replace(terms, gravity=self.gravity(tape))
-            return loads(still, terms).tau
+            scene = replace(self.plan.scene, gravity=tuple(self.gravity(tape)))
+            if effect.by_load:
+                others = [other for other in self.plan.effects if other is not effect]
+                whole, rest = (loads(still, applied(each, still, scene)).tau for each in (self.plan.effects, others))
+                return [a - b for a, b in zip(whole, rest, strict=True)]
+            return loads(still, effect.add(effect.background(at_rest(still), still, scene), still, scene)).tau
 
         return self.program(outputs)
-
-
-Wave = tuple[str, Angle]
-"""A sine or cosine of an angle, in multiples of the generators."""
-UNIT: Wave = ("cos", ())
-Monomial = tuple[int, ...]
-"""Generators, each as often as its power."""
-Shape = tuple[Monomial, tuple[Wave, ...]]
-"""What an entry's coefficients are multiplied by: powers of coordinates, and sines and cosines."""
-Coefficients = dict[Monomial, float]
-"""A polynomial in letters."""
-
-
-class Writer:
-    """Writes polynomials of `closed` as a person would: for each product of rates and each product of sines and cosines
-    one coefficient, collected by masses."""
-
-    def __init__(self, forms: Forms, lettered: Lettered) -> None:
-        self._symbols: list[Any] = forms.generators
-        places = {symbol: source for (source, _), symbol in lettered.symbols.items()}
-        self._sources = [places.get(symbol, "") for symbol in self._symbols]
-
-    def grouped(self, form: Polynomial) -> dict[Monomial, dict[Shape, Coefficients]]:
-        """Return the coefficients of a form by rates, then by shape."""
-        waves: dict[tuple[Monomial, ...], dict[Wave, float]] = defaultdict(dict)
-        for key, coefficient in form.items():
-            rates, letters, others = (self._part(key.powers, kind) for kind in ("rates", "letters", ""))
-            waves[rates, others, letters][key.wave, key.angle] = coefficient.value
-        out: dict[Monomial, dict[Shape, Coefficients]] = defaultdict(lambda: defaultdict(lambda: defaultdict(float)))
-        for (rates, others, letters), sum_of in waves.items():
-            for product, value in products(sum_of).items():
-                out[rates][others, product][letters] += value
-        return out
-
-    def _part(self, powers: Monomial, kind: str) -> Monomial:
-        kinds = {"qd": "rates", "qdd": "rates", SOURCE: "letters"}
-        return tuple(k for k in powers if kinds.get(self._sources[k], "") == kind)
-
-    def monomial(self, powers: Iterable[int]) -> Any:
-        return module().Mul(*(self._symbols[k] for k in powers))
-
-    def shape(self, shape: Shape) -> Any:
-        sympy, (powers, waves) = module(), shape
-        out = self.monomial(powers)
-        for name, angle in waves:
-            out *= getattr(sympy, name)(sympy.Add(*(number(x) * self._symbols[k] for k, x in enumerate(angle))))
-        return out
-
-    def coefficient(self, polynomial: Coefficients) -> tuple[Any, Any]:
-        """Return a polynomial in letters as a factor and a sum whose first term is positive, collected by masses."""
-        sympy = module()
-        common = Counter(next(iter(polynomial)))
-        for powers in polynomial:
-            common &= Counter(powers)
-        scale = min(map(abs, polynomial.values()))
-        if not all(float(x / scale).is_integer() for x in polynomial.values()):
-            scale = 1.0
-        rest = sorted((tuple(sorted((Counter(powers) - common).elements())), x) for powers, x in polynomial.items())
-        scale = -scale if rest[0][1] < 0.0 else scale
-        masses: dict[int | None, list[Any]] = defaultdict(list)
-        for powers, x in rest:
-            mass = next((k for k in powers if self._symbols[k].name.startswith("m_")), None)
-            left = list(powers)
-            if mass is not None:
-                left.remove(mass)
-            masses[mass].append(number(x / scale) * self.monomial(left))
-        terms = []
-        for mass, parts in masses.items():
-            whole = sympy.Add(*parts)
-            if mass is not None and len(parts) <= FACTORED:
-                whole = sympy.factor(whole)
-            terms.append(whole if mass is None else self._symbols[mass] * whole)
-        return number(scale) * self.monomial(common.elements()), sympy.Add(*terms)
-
-    def expression(self, form: Polynomial, names: Mapping[Any, Any] = MappingProxyType({})) -> Any:
-        """Return the SymPy expression of a form; `names` are symbols for sums that are written once, elsewhere."""
-        sympy = module()
-        groups = []
-        for rates, shapes in self.grouped(form).items():
-            terms = []
-            for shape, polynomial in shapes.items():
-                factor, whole = self.coefficient(polynomial)
-                terms.append(factor * names.get(whole, whole) * self.shape(shape))
-            groups.append(gathered(self.monomial(rates), terms))
-        return sympy.Add(*groups)
-
-
-def gathered(rates: Any, terms: Sequence[Any]) -> Any:
-    """Return rates times the sum of terms, with the factors that all have, and a minus that all have, before it."""
-    sympy, powers = module(), [term.as_coeff_Mul()[1].as_powers_dict() for term in terms]
-    common = sympy.Mul(*(
-        x ** min(each[x] for each in powers)
-        for x in powers[0]
-        if (x.is_Symbol or x.is_Add) and len(powers) > 1 and all(x in each for each in powers)
-    ))  # fmt: skip
-    parts = [part for term in terms for part in sympy.Add.make_args(term)]
-    sign = -1 if all(part.as_coeff_Mul()[0] < 0 for part in parts) else 1
-    return sympy.Mul(rates, sign, common, sympy.Add(*(term / (sign * common) for term in terms)))
-
-
-def products(waves: Mapping[Wave, float]) -> dict[tuple[Wave, ...], float]:
-    """Return a sum of sines and cosines as products where these are shorter: a constant and cos 2a as squares, then
-    pairs of equal coefficients, cos(a + b) + cos(a - b) as 2 cos a cos b and the like, of sums of coordinates a, b."""
-    left, out = dict(waves), dict[tuple[Wave, ...], float]()
-
-    def take(value: float, *factors: Wave) -> None:
-        found = tuple(sorted(factor for factor in factors if factor[1]))
-        out[found] = out.get(found, 0.0) + value
-
-    constant = left.pop(UNIT, 0.0)
-    for (kind, angle), value in list(left.items()):
-        half = tuple(x / 2 for x in angle)
-        if kind == "cos" and abs(value) <= abs(constant) and all(x.is_integer() for x in half):
-            del left[kind, angle]
-            square = "cos" if value * constant > 0.0 else "sin"
-            take(math.copysign(2.0 * value, constant), (square, half), (square, half))
-            constant -= math.copysign(value, constant)
-    if constant:
-        take(constant)
-    while left:
-        (kind, angle), value = (first := next(iter(left))), left.pop(first)
-        pairs = []
-        for other, x in left.items():
-            if other[0] == kind and abs(x) == abs(value):
-                halves = [[y / 2 for y in combined_angles(angle, other[1], sign)] for sign in (1.0, -1.0)]
-                if all(y.is_integer() for half in halves for y in half):
-                    pairs.append((sum(abs(y) for half in halves for y in half), other, halves))
-        pairs = [pair for pair in pairs if pair[0] < sum(map(abs, (*angle, *pair[1][1])))]
-        if not pairs:
-            take(value, (kind, angle))
-            continue
-        _, other, (a, b) = min(pairs)
-        same = left.pop(other) == value
-        if kind == "cos":
-            names, value = (("cos", "cos"), 2.0 * value) if same else (("sin", "sin"), -2.0 * value)
-        else:
-            names, value = (("sin", "cos") if same else ("cos", "sin")), 2.0 * value
-        factors = []
-        for name, half in zip(names, (a, b), strict=True):
-            turned, sign = upright(name, tuple(half))
-            factors.append((name, turned))
-            value *= sign
-        take(value, *factors)
-    return out

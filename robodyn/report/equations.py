@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from robodyn.equations.closed import STATES, Closed, decimal
+from robodyn.equations.closed import STATES, Closed
 from robodyn.equations.free_body.bodies import Action, FreeBodies, FreeBody, JointRow
 from robodyn.equations.ode import Ode
 from robodyn.programs.vectors import product
 from robodyn.report.document import Paragraph, Section, Table, finite, paragraphs, remarks, select, written
+from robodyn.report.renderers.letters import text_of
 from robodyn.report.sizes import Sizes, free_body_sizes
 from robodyn.report.table import Content, axis_text, gravity_text, number, point_text, printable, relative_text
 from robodyn.support.wording import count
 
-DIGITS = 15
 _COMPONENTS = ("fx [N]", "fy", "fz", "mx [N m]", "my", "mz")
 
 
@@ -40,36 +40,45 @@ def ode_sections(ode: Ode) -> Iterator[Section]:
 
 
 def closed_sections(closed: Closed) -> Iterator[Section]:
-    """Yield every entry on a line, in a syntax that Python reads, constants with up to 15 digits."""
-    from sympy.printing.str import StrPrinter
-
-    class Written(StrPrinter):  # type: ignore[misc,unused-ignore]
-        def _print_Float(self, value: Any) -> str:
-            return f"{float(value):.{DIGITS}g}"
-
-    def written_out(expression: Any) -> str:
-        return str(Written().doprint(decimal(expression)))
-
-    n = len(closed.joints)
-    joints = enumerate(zip(closed.joints, closed.kinds, closed.q, closed.qd, strict=True), 1)
-    yield paragraphs([_head(closed.robot, n, closed.gravity), _equation(closed.bias)])
-    units = {"prismatic": "m"}
-    names = [f"{i}  {name}: {kind}, {q} [{units.get(kind, 'rad')}], {qd}" for i, (name, kind, q, qd) in joints]
-    yield paragraphs(["Coordinates", *names])
-    mass = [f"M[{i + 1},{j + 1}] = {written_out(closed.M[i][j])}" for i in range(n) for j in range(i, n)]
-    yield paragraphs(["Mass matrix, symmetric", *mass])
-    for effect, entries in closed.bias.items():
-        name = effect.replace(" ", "_")
-        lines = [f"{name}[{i}] = {written_out(entry)}" for i, entry in enumerate(entries, 1)]
-        yield paragraphs([effect.capitalize(), *lines])
+    """Yield coordinates, letters, constants and every entry on a line."""
+    n = len(closed.rates)
+    yield paragraphs([_head(closed.robot, n, closed.gravity, "floating" in closed.kinds), _equation(closed.bias)])
+    yield paragraphs(["Coordinates", *(f"{k}  {text}" for k, text in enumerate(coordinate_lines(closed), 1))])
+    if closed.symbols:
+        rows = [(letter.name, f"{letter.value:.15g}", printable(letter.meaning)) for letter in closed.symbols]
+        yield [Table("Symbols", ("", "value", "meaning"), rows), Paragraph(NOTATION)]
+    if closed.constants:
+        yield paragraphs(["Constants", *(f"{name} = {text_of(x)}" for name, x in closed.constants.items())])
+    entries: dict[str, list[str]] = {}
+    for (name, i, j), entry in closed.entries.items():
+        place = f"{i + 1}" if j < 0 else f"{i + 1},{j + 1}"
+        entries.setdefault(name, []).append(f"{name.replace(' ', '_')}[{place}] = {text_of(entry)}")
+    for name, lines in entries.items():
+        yield paragraphs(["Mass matrix, symmetric" if name == "M" else name.capitalize(), *lines])
     yield [Paragraph(checked(closed))]
+
+
+NOTATION = "c_2 is cos(q_2), s_23 sin(q_2 + q_3), c_223 cos(2 q_2 + q_3), and c_2^2 the square of c_2."
+_UNITS = {"prismatic": "m", "revolute": "rad"}
+
+
+def coordinate_lines(closed: Closed) -> Iterator[str]:
+    """Yield name, kind and symbols of every coordinate."""
+    for i, (name, kind, q, qd) in enumerate(zip(closed.rates, closed.kinds, closed.q, closed.qd, strict=True)):
+        if q is None:
+            what = "angular velocity" if i < 3 else "velocity of its origin"
+            unit, qdd = "rad/s" if i < 3 else "m/s", closed.qdd[i]
+            yield f"{name}: {what} of the base in its axes, {qd} [{unit}], {qdd} its acceleration"
+        else:
+            yield f"{name}: {kind}, {q} [{_UNITS[kind]}], {qd}"
 
 
 def checked(closed: Closed) -> str:
     """Return how far the closed form was found to be from the recursion."""
     plain = f"; {closed.plain} entries are not simplified" if closed.plain else ""
+    values = ", half of them at random values of the symbols" if closed.symbols else ""
     return (
-        f"Checked against the recursion in numbers at {STATES} random states: "
+        f"Checked against the recursion in numbers at {STATES} random states{values}: "
         f"largest difference {relative_text(closed.error)} of the largest entry of its unit{plain}."
     )
 
@@ -158,13 +167,16 @@ def ode_json(ode: Ode) -> str:
 
 def closed_json(closed: Closed) -> str:
     """Return the closed form; expressions are SymPy's, fractions exact."""
-    joints = zip(closed.joints, closed.kinds, map(str, closed.q), map(str, closed.qd), strict=True)
+    names = [[None if x is None else str(x) for x in source] for source in (closed.q, closed.qd)]
+    joints = zip(closed.rates, closed.kinds, *names, strict=True)
     return written(
         select(
             closed,
-            "robot form gravity joints M shares check",
+            "robot form gravity joints symbols constants M shares check",
             form="closed",
             joints=[dict(zip(("name", "kind", "q", "qd"), each, strict=True)) for each in joints],
+            symbols=[select(letter, "name value meaning") for letter in closed.symbols],
+            constants={str(name): str(whole) for name, whole in closed.constants.items()},
             M=[[str(entry) for entry in row] for row in closed.M],
             shares={name: list(map(str, entries)) for name, entries in closed.bias.items()},
             check={"states": STATES, "largest_difference": closed.error, "not_simplified": closed.plain},

@@ -164,7 +164,7 @@ class Fluid(Effect):
             u = R.T @ (v + cross(w, centre) - to_body @ np.array(scene.fluid_velocity, dtype=float))
             area = 0.5 * scene.fluid_density * np.array(immersed.drag_area)
             drag = np.array([-(c * (sign(x) * (x * x))) for c, x in zip(area, u, strict=True)])
-            weight = scene.fluid_density * immersed.volume * np.array(scene.gravity, dtype=float)
+            weight = scene.fluid_density * immersed.volume * np.array(scene.gravity)
             f = R @ drag + to_body @ -weight
             acting.append((body, Wrench(f, cross(centre, f))))
         return replace(terms, wrenches=(*terms.wrenches, *acting))

@@ -24,7 +24,7 @@ class Gravity(Effect):
         return Verdict.of(any(scene.gravity), "gravity is zero", some)
 
     def add(self, terms: Terms, sample: Sample, scene: Scene) -> Terms:
-        return replace(terms, gravity=np.array(scene.gravity, dtype=float))
+        return replace(terms, gravity=1.0 * np.array(scene.gravity))
 
     def stored(self, sample: Sample, terms: Terms, scene: Scene, motions: list[Motion]) -> Scalar:
         """Potential energy -sum m g . r [J], zero for a mass at the ground's origin."""

@@ -3,12 +3,13 @@ r"""The closed form and the DAE form as LaTeX, to be put into a document that us
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
-from robodyn.equations.closed import Closed, module
+from robodyn.equations.closed import Closed
 from robodyn.equations.composite import Composite
 from robodyn.equations.dae.dae import Dae
+from robodyn.equations.forms import module
 from robodyn.report.dae import laws
 from robodyn.report.equations import checked
 from robodyn.report.inertia import ORDER
@@ -27,27 +28,38 @@ ESCAPES = {
 
 
 def closed_latex(closed: Closed) -> str:
-    r"""Return a sentence on coordinates and notation, then M, gravity, Coriolis and all else in `align*`."""
-    n, sum_text = len(closed.joints), _sum_printer(closed)
+    r"""Return a sentence on coordinates, letters and notation, then constants, M, gravity, Coriolis and all else in
+    `align*`."""
+    joints = [(q, qd) for q, qd in zip(closed.q, closed.qd, strict=True) if q is not None]
+    symbol, numbered = module().Symbol, dict[Any, Any]()
+    for k, (q, qd) in enumerate(joints if not re.fullmatch(r"q_\d+", str(joints[0][0])) else (), 1):
+        numbered |= {q: symbol(f"q_{k}", real=True), qd: symbol(f"qd_{k}", real=True)}
     x, y, z = closed.gravity
-    entries = {f"M_{{{i + 1}{j + 1}}}": closed.M[i][j] for i in range(n) for j in range(i, n)}
-    for effect, share in closed.bias.items():
-        entries |= {_part(effect, str(i + 1)): entry for i, entry in enumerate(share)}
+    lines = {latex_of(name): whole for name, whole in closed.constants.items()}
+    for (name, i, j), entry in closed.entries.items():
+        index = f"{i + 1}" if j < 0 else f"{i + 1}{',' * (len(closed.rates) > 9)}{j + 1}"
+        lines[_part(name, index)] = entry
     bias = " + ".join(_part(effect, "") for effect in closed.bias)
-    coordinates = ", ".join(
-        f"$q_{{{i + 1}}}$ ({escaped(name)}, {'m' if kind == 'prismatic' else 'rad'})"
-        for i, (name, kind) in enumerate(zip(closed.joints, closed.kinds, strict=True))
-    )
+    coordinates = []
+    for name, kind, q, qd in zip(closed.rates, closed.kinds, closed.q, closed.qd, strict=True):
+        unit = {"floating": "in the axes of the base", "prismatic": "m"}.get(kind, "rad")
+        shown = (qd if q is None else q).xreplace(numbered)
+        coordinates.append(f"${latex_of(shown)}$ ({escaped(name)}, {unit})")
+    symbols = [
+        f"\n${Latex().symbol(letter.name)} = {Latex().number(letter.value)}$ ({escaped(letter.meaning)}),"
+        for letter in closed.symbols
+    ]
     return (
         f"% {' '.join(checked(closed).split())}\n"
         "% Needs \\usepackage{amsmath}.\n"
         f"The equations of motion of {escaped(closed.robot)} are\n"
         f"\\[ M(q)\\,\\ddot{{q}}{' + ' * bool(bias)}{bias} = \\tau \\]\n"
-        f"with the coordinates {coordinates}, gravity $({x:g}, {y:g}, {z:g})$\\,m/s$^2$, SI units, coefficients to\n"
+        f"with the coordinates {', '.join(coordinates)},{''.join(symbols)}\n"
+        f"gravity $({x:g}, {y:g}, {z:g})$\\,m/s$^2$, SI units, coefficients to\n"
         f"{Latex.digits} digits, $c_{{i}} = \\cos q_{{i}}$, $s_{{i}} = \\sin q_{{i}}$, "
         "$c_{ij} = \\cos(q_{i} + q_{j})$, $s_{ij} = \\sin(q_{i} + q_{j})$\n"
         "and so on, $M_{ij} = M_{ji}$, and\n"
-        + _aligned_lines([f"{name} &= {sum_text(entry)}" for name, entry in entries.items()])
+        + _aligned_lines([f"{name} &= {_broken(entry.xreplace(numbered))}" for name, entry in lines.items()])
     )
 
 
@@ -71,26 +83,19 @@ def composite_latex(found: Composite, momentum: bool) -> str:
 
 
 def _part(effect: str, index: str) -> str:
-    known = {"gravity": ("G", "(q)"), "coriolis": ("V", r"(q, \dot{q})")}
+    known = {"M": ("M", "(q)"), "gravity": ("G", "(q)"), "coriolis": ("V", r"(q, \dot{q})")}
     letter, arguments = known.get(effect, (rf"\tau^{{\text{{{effect}}}}}", ""))
     return letter + (f"_{{{index}}}" if index else arguments)
 
 
-def _sum_printer(closed: Closed) -> Callable[[Any], str]:
-    """Return what writes an expression, its joints by number, a long sum on several lines."""
-    symbol, numbered, printer = module().Symbol, dict[Any, Any](), Latex()
-    for k, (q, qd) in enumerate(zip(closed.q, closed.qd, strict=True), 1):
-        numbered |= {q: symbol(f"q_{k}", real=True), qd: symbol(f"qd_{k}", real=True)}
-
-    def text(expression: Any) -> str:
-        lines = [""]
-        for term in printer.terms(expression.xreplace(numbered)):
-            if len(lines[-1]) > WIDTH:
-                lines.append("")
-            lines[-1] += " " * bool(lines[-1]) + term
-        return " \\\\\n    &\\quad ".join(lines)
-
-    return text
+def _broken(expression: Any) -> str:
+    """Return an expression, a long sum on several lines."""
+    lines = [""]
+    for term in Latex().terms(expression):
+        if len(lines[-1]) > WIDTH:
+            lines.append("")
+        lines[-1] += " " * bool(lines[-1]) + term
+    return " \\\\\n    &\\quad ".join(lines)
 
 
 def escaped(text: str) -> str:

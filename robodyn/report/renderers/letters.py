@@ -10,18 +10,17 @@ from __future__ import annotations
 import re
 from typing import Any
 
-INDICES = 6
-"""Most coordinates, counted as often as they are added, that become indices."""
 _RATES = ("qd", "qdd", "w", "wd", "v", "a")
-_LETTERS = ("m", "l", "c", "I", "g", "A")
+_LETTERS = ("A", "m", "l", "c", "I", "g")
 _HEADS = {"qd": r"\dot{q}", "qdd": r"\ddot{q}", "w": r"\omega", "wd": r"\dot{\omega}"}
 _HEADS |= {"Pd": r"\dot{P}", "Hd": r"\dot{H}", "Vd": r"\dot{V}", "tau": r"\tau", "Gamma": r"\Gamma", "Phi": r"\Phi"}
 
 
 class Text:
-    """Writes expressions as text; numbers with 15 digits."""
+    """Writes expressions as text; numbers with 15 digits, sines and cosines of sums of up to 6 coordinates by
+    indices."""
 
-    digits, times = 15, "*"
+    digits, times, indices = 15, "*", 6
 
     def sum(self, expression: Any) -> str:
         return " ".join(self.terms(expression))
@@ -38,7 +37,7 @@ class Text:
         return [lead.strip("+") + texts[0], *(f"{sign} {text}" for sign, text in zip(signs, texts[1:], strict=True))]
 
     def _product(self, number: Any, rest: Any) -> str:
-        above, below = [], []
+        above, below = list[str](), list[str]()
         for factor in sorted(_factors(rest), key=_rank):
             divides = factor.is_Pow and factor.exp.is_number and factor.exp < 0
             (below if divides else above).append(self._factor(1 / factor if divides else factor))
@@ -60,23 +59,23 @@ class Text:
 
     def _call(self, name: str, argument: Any) -> str:
         """Return a sine or cosine with indices, if it is of a sum of few coordinates."""
-        indices = ""
+        numbers = ""
         for term in argument.args if argument.is_Add else [argument]:
             many, rest = term.as_coeff_Mul()
             coordinate = re.fullmatch(r"q_(\d)", str(rest))
-            if name not in ("sin", "cos") or not coordinate or not (many.is_Integer and 0 < many <= INDICES):
+            if name not in ("sin", "cos") or not coordinate or not (many.is_Integer and 0 < many <= self.indices):
                 break
-            indices += coordinate[1] * int(many)
+            numbers += coordinate[1] * int(many)
         else:
-            if len(indices) <= INDICES:
-                return self.indexed(name[0], "".join(sorted(indices)))
+            if len(numbers) <= self.indices:
+                return self.indexed(name[0], "".join(sorted(numbers)))
         return self.called(name, self.sum(argument))
 
     def symbol(self, name: str) -> str:
         return name
 
     def number(self, value: Any) -> str:
-        return str(value) if abs(value) < 10**self.digits and value == int(value) else f"{float(value):.{self.digits}g}"
+        return str(int(value)) if _is_short(value) else f"{float(value):.{self.digits}g}"
 
     def indexed(self, letter: str, index: str) -> str:
         return f"{letter}_{index}"
@@ -135,6 +134,18 @@ class Latex(Text):
         return rf"{function}\left({argument}\right)"
 
 
+class Python(Text):
+    """Writes expressions as Python with all digits."""
+
+    indices = 0
+
+    def number(self, value: Any) -> str:
+        return str(int(value)) if _is_short(value) else repr(float(value))
+
+    def raised(self, base: str, exponent: str) -> str:
+        return f"{base}**{exponent}"
+
+
 def text_of(expression: Any) -> str:
     """Return an expression as text."""
     return Text().sum(expression)
@@ -143,6 +154,10 @@ def text_of(expression: Any) -> str:
 def latex_of(expression: Any) -> str:
     """Return an expression as LaTeX, in one line."""
     return Latex().sum(expression)
+
+
+def _is_short(value: Any) -> bool:
+    return bool(abs(value) < 1e15 and value == int(value))
 
 
 def _factors(product: Any) -> list[Any]:
