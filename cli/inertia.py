@@ -95,7 +95,7 @@ _USES = {
     option("--link NAME", "One link, in its own frame."),
     options.AT,
     option("--links A,B,C", "Some links as one body.", Parsed("links", _names)),
-    option("--frame LINK", "Whose frame; default base.", default="base"),
+    option("--frame LINK", "Whose frame; default base (or ground).", default="base"),
     option("--terms", "Each link's share, by rotation law and parallel axis theorem."),
     option("--momentum", "Linear momentum, and angular about the point, at --qd."),
     options.QD,
@@ -155,7 +155,7 @@ def command(
       robodyn inertia robot.urdf --compare --package-path ~/ros/src
     """
     check_names()
-    view = View(about, rpy)
+    view, frame = View(about, rpy), "base" if frame == "ground" else frame
     if file_type == "urdf" or any(name.lower().endswith(options.ROBOT_SUFFIXES) for name in files):
         from robodyn.cli.inertia_robot import compared, letters, robot
         from robodyn.robot.masses.shapes import How
@@ -169,21 +169,14 @@ def command(
             refuse("a URDF stands alone: one robot at a time, and no meshes beside it")
         if compare:
             return compared(call, files[0], geometry or "visual", how)
-        refuse_where(
-            (call.form == "latex" and symbols is None, "--format latex is for --symbols"),
-            (call.form == "urdf" and symbols is not None, "--format urdf is for numbers, without --symbols"),
-            (call.qd and not momentum, "--qd is for --momentum"),
-        )
+        check_form(call, symbols is not None, momentum)
         if symbols is not None:
-            from robodyn.equations.letters import KINDS
-
-            kinds = KINDS if symbols == ("all",) else symbols
-            return letters(call, files[0], view, kinds, links or (), frame, momentum)
+            return letters(call, files[0], view, symbols, links or (), frame, momentum)
         rho, m = one_each(density, files, "--density")[0], one_each(mass, files, "--mass")[0]
         rest = (links or (), frame, terms, momentum)
         return robot(call, files[0], view, call.at or (), link, geometry, rho, m, how, *rest)
     check_use("--combine" if combine else "meshes one by one")
-    refuse_where((call.form == "latex", "--format latex is for a URDF with --symbols"))
+    check_form(call, False, momentum)
     if combine or call.form == "urdf":
         symmetry, tessellation = symmetry or False, tessellation or False
     whole = mass[0] if combine and len(mass) == 1 else None
@@ -236,6 +229,15 @@ def command(
     sections = combination_sections(together, view) if together else inertia_sections(parts, view)
     answer(call, sections, document if parts else None, json=json, urdf=urdf)
     return 2 if failed else 0
+
+
+def check_form(call: Call, in_letters: bool, momentum: bool) -> None:
+    """Refuse forms and velocities where they mean nothing."""
+    refuse_where(
+        (call.form == "latex" and not in_letters, "--format latex is for a URDF with --symbols"),
+        (call.form == "urdf" and in_letters, "--format urdf is for numbers, without --symbols"),
+        (call.qd and not momentum, "--qd is for --momentum"),
+    )
 
 
 def one_each(values: Sequence[T], files: Sequence[str], option: str) -> list[T | None]:

@@ -11,8 +11,9 @@ from robodyn.cli.files import robot_source
 from robodyn.cli.options import Call, refuse
 from robodyn.cli.progress import counted
 from robodyn.cli.screen import answer, complain
-from robodyn.errors import InputError
 from robodyn.equations.composite import in_letters, in_numbers
+from robodyn.equations.letters import KINDS
+from robodyn.errors import InputError
 from robodyn.report import inertia_pages as pages
 from robodyn.report.inertia import (
     comparison_sections,
@@ -95,6 +96,7 @@ def letters(
 ) -> int:
     """Show the bodies of a robot in letters."""
     description = load_description(robot_source(file), **call.lookup)
+    kinds = KINDS if kinds == ("all",) else kinds
     found = in_letters(description, view, kinds, links, frame, momentum)
     answer(
         call,

@@ -345,8 +345,8 @@ class LinkPose(NamedTuple):
 def forward_kinematics(
     model: Model, q: ArrayLike, link: str, *, executor: str = "auto", threads: int | None = None
 ) -> LinkPose:
-    """Return where a link is at q (..., nq), as for `inverse_dynamics`: `R_i = R_j R(q_i)`, `p_i = p_j + R_j p` outwards
-    over the joints. InputError if there is no such link.
+    """Return where a link is at q (..., nq), as for `inverse_dynamics`: outwards `R_i = R_j R(q_i)`,
+    `p_i = p_j + R_j p`. InputError if there is no such link.
 
     Accuracy: 1e-14 of the longest chain of offsets, for chains of up to 100 bodies.
     """

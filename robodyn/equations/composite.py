@@ -118,7 +118,11 @@ def in_letters(
         what = f"letters are for up to {MOST_JOINTS} joints of one coordinate"
         raise InputError(what, remedy="--at gives numbers", file=model.file)
     chosen, lettered = _bodies(model, description, links), Lettered(model, kinds=kinds)
-    at = model.links[named_links(model, [frame])[0]] if frame != BASE else Frame(0, IDENTITY, ZERO)
+    at = (
+        model.links[named_links(model, [frame])[0]]
+        if frame != BASE or BASE in model.links
+        else Frame(0, IDENTITY, ZERO)
+    )
 
     def outputs(tape: Tape, sample: Sample) -> Iterable[Scalar]:
         moving = sample.motions()
@@ -141,7 +145,7 @@ def in_letters(
         raise InputError(what, remedy="fewer --links, --about origin, or --at for numbers", file=model.file) from None
     values = iter(written)
     point = np.array([next(values) for _ in range(3)], dtype=object)
-    shares = []
+    shares: list[Share] = []
     for name in ("whole", *(model.bodies[i].name for i in chosen)):
         mass, centre = next(values), _taken(values, 3)
         own = None if name == "whole" and not shares else _taken(values, 9)

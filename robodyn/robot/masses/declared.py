@@ -55,7 +55,8 @@ class RobotInertia:
     Attributes:
         at: values of the coordinates [rad or m]; warnings: faults of links, and coordinates beyond their limits.
         links: those with an <inertial>, in the order of the file; massive, count: how many have mass, and of how many.
-        frame: of `body`, the base or a link, and its pose in that of the base; composite: whether links were chosen.
+        frame: of `body`, a link or `BASE` where no link has this name; frame_pose: in the frame of the base.
+        composite: whether links were chosen.
     """
 
     name: str
@@ -111,7 +112,7 @@ def robot_inertia(
     model = assemble(description)
     q = configuration(model, at)
     where, chosen = link_poses(model, q), named_links(model, links) or tuple(model.links)
-    stand = _BASE_POSE if frame == BASE else where[named_links(model, [frame])[0]]
+    stand = _BASE_POSE if frame == BASE not in where else where[named_links(model, [frame])[0]]
     found = (declared(link, where[link.name]) for link in description.links if link.name in chosen)
     bodies = tuple(link for link in found if link is not None)
     massive = sum(link.name in chosen for link in description.massive)
