@@ -48,13 +48,17 @@ class Sheet:
         (x, y), (u, v) = self.at(start), self.at(end)
         long = hypot(u - x, v - y) or 1.0
         dx, dy = (u - x) / long, (v - y) / long
-        head = [(u + 5 * dx, v + 5 * dy), (u - 5 * dx - 4 * dy, v - 5 * dy + 4 * dx), (u - 5 * dx + 4 * dy, v - 5 * dy - 4 * dx)]
+        head = [
+            (u + 5 * dx, v + 5 * dy),
+            (u - 5 * dx - 4 * dy, v - 5 * dy + 4 * dx),
+            (u - 5 * dx + 4 * dy, v - 5 * dy - 4 * dx),
+        ]
         where = "L".join(f"{a:.1f} {b:.1f}" for a, b in head)
         self.parts.append(f'<path d="M{where}Z" {_fill(look)}/>')
 
     def disc(self, point: Sequence[float], radius: float, look: str = "mark") -> None:
         x, y = self.at(point)
-        shown = f'{_fill(look)}' if look[0] == "#" else f'class="{look}" stroke-width="1.5"'
+        shown = f"{_fill(look)}" if look[0] == "#" else f'class="{look}" stroke-width="1.5"'
         self.parts.append(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{radius:g}" {shown}/>')
 
     def centre(self, point: Sequence[float]) -> None:
@@ -107,26 +111,30 @@ def frames(name: str, q: Sequence[float], view: np.ndarray, width: int, height: 
             sheet.line((origin, end), "body", 16)
         if body.mass:
             sheet.line((origin, centre), "body", 16)
-    seen: dict[tuple[int, int], int] = {}
-    for body, origin, centre in zip(bodies, origins, centres, strict=True):
-        place = (round(origin[0] * 1e6), round(origin[1] * 1e6))
-        k = seen[place] = seen.get(place, -1) + 1
-        if k == 0:
+    groups: dict[tuple[int, int], list[int]] = {}
+    for k, origin in enumerate(origins):
+        groups.setdefault((round(origin[0] * 1e6), round(origin[1] * 1e6)), []).append(k)
+    for group in groups.values():
+        for k in group:  # axes of the base are shorter where another body's stand at the same place
+            body, origin = bodies[k], origins[k]
+            long = arrow * (0.7 if k != group[-1] else 1.0)
             for axis, letter in enumerate("xyz"):
-                along = view @ body.pose.R[:, axis] * arrow / scale
-                if hypot(*along) * scale > 5:
-                    sheet.arrow(origin, origin + along, AXES[letter])
-                    sheet.text(origin + along * 1.32, f"{letter}{body.number}", AXES[letter], size=12)
+                along = view @ body.pose.R[:, axis] * long / scale
+                hidden = k != group[-1] and np.allclose(body.pose.R[:, axis], bodies[group[-1]].pose.R[:, axis])
+                if hypot(*along) * scale > 5 and not hidden:
+                    sheet.arrow(origin, origin + along, AXES[letter] if k == group[-1] else GREY, 2)
+                    names = [n for n in group if np.allclose(bodies[n].pose.R[:, axis], body.pose.R[:, axis])]
+                    name = ", ".join(f"{letter}{n}" for n in names)
+                    look = AXES[letter] if k == group[-1] else "soft"
+                    sheet.text(origin + along * (1 + 15 / long), name, look, 0, 0, 12)
+    for body, centre in zip(bodies, centres, strict=True):
         if body.mass:
             sheet.centre(centre)
             sheet.text(centre, f"c{body.number}", "ink", 0, 17, 12)
-    for place, _ in seen.items():
-        numbers = [str(b.number) for b, o in zip(bodies, origins, strict=True) if (round(o[0] * 1e6), round(o[1] * 1e6)) == place]
-        spot = (place[0] / 1e6, place[1] / 1e6)
-        sheet.disc(spot, 9)
-        sheet.text(spot, numbers[0], "ink", size=12)
-        if len(numbers) > 1:
-            sheet.text(spot, f"and {', '.join(numbers[1:])}", "soft", -30, 16, 12)
+    for group in groups.values():
+        name = ",".join(str(k) for k in group)
+        sheet.disc(origins[group[0]], 9 if len(group) == 1 else 12)
+        sheet.text(origins[group[0]], name, "ink", size=12 if len(group) == 1 else 11)
     return sheet.svg()
 
 
@@ -136,24 +144,24 @@ def arm_momenta() -> str:
     q, qd, masses = [pi / 6, pi / 3], [2.0, -1.0], (4.0, 2.5)
     elbow = robodyn.forward_kinematics(model, q, "forearm").p[[0, 2]]
     tip = robodyn.forward_kinematics(model, q, "tip").p[[0, 2]]
-    sheet = Sheet(460, 330, 330.0, (60.0, 285.0))
+    sheet = Sheet(460, 330, 300.0, (140.0, 285.0))
     sheet.line(((-0.1, 0.0), (1.1, 0.0)), "line", 1, dashed=True)
     sheet.line(((0, 0), elbow, tip), "body", 14)
     for link, point, mass, name in (("upper_arm", (0.5, 0, 0), 4.0, "1"), ("forearm", (0.4, 0, 0), 2.5, "2")):
         at = elbow if name == "1" else tip
         P = mass * (robodyn.jacobian(model, q, link, point) @ qd)[[3, 5]]
         sheet.arrow(at, at + 0.06 * P, RED, 2.5)
-        sheet.text(at + 0.06 * P, f"P_{name} = m_{name} v_c{name}", RED, 26, -14)
+        sheet.text(at + 0.06 * P, f"P_{name} = m_{name} v_c{name}", RED, -58, 0 if name == "1" else -8)
     whole = robodyn.momenta(model, q, qd)
     c, P = whole.com[[0, 2]], whole.linear[[0, 2]]
     sheet.line(((0, 0), c), "line", 1, dashed=True)
     sheet.arrow(c, c + 0.06 * P, BLUE, 2.5)
-    sheet.text(c + 0.06 * P, "P", BLUE, -14, -4)
+    sheet.text(c + 0.06 * P, "P", BLUE, -14, 8)
     for point, name in ((elbow, "m_1"), (tip, "m_2")):
         sheet.disc(point, 9, GREY)
         sheet.text(point, name, "ink", 26, 10)
     sheet.centre(c)
-    sheet.text(c, "c", "ink", -16, 4)
+    sheet.text(c, "c", "ink", 16, 6)
     sheet.disc((0, 0), 6)
     sheet.text((0, 0), "o", "ink", -14, 12)
     sheet.text((0.22, 0.0), "q_1", "soft", 0, -14)
@@ -170,7 +178,6 @@ def products_of_inertia() -> str:
         ("I_xy > 0", "more mass where x y < 0", lambda x, y: 1.0 if x * y < 0 else 0.25),
     )
     for k, (title, words, share) in enumerate(shapes):
-        sheet.origin = (110.0 + 210.0 * k, -110.0)
         sheet.origin = (110.0 + 210.0 * k, 110.0)
         sheet.arrow((-80, 0), (80, 0), "#8b93a1", 1.5)
         sheet.arrow((0, -70), (0, 75), "#8b93a1", 1.5)
@@ -230,11 +237,11 @@ def composite() -> str:
     """The cart's parts as mass centres from the side, the whole's mass centre and principal axes."""
     model = robodyn.load(ROOT / "robots/composite.urdf")
     whole = model.bodies[0].inertia
-    sheet = Sheet(560, 330, 560.0, (230.0, 240.0))
+    sheet = Sheet(560, 340, 440.0, (240.0, 270.0))
     sheet.arrow((-0.37, 0), (0.42, 0), "#8b93a1", 1)
-    sheet.arrow((0, -0.12), (0, 0.4), "#8b93a1", 1)
+    sheet.arrow((0, -0.12), (0, 0.54), "#8b93a1", 1)
     sheet.text((0.42, 0), "x", "soft", 14)
-    sheet.text((0, 0.4), "z", "soft", 0, -13)
+    sheet.text((0, 0.54), "z", "soft", 0, -14)
     boxes = {"deck": (0.6, 0.02, 0.0), "mast": (0.1, 0.5, 0.0), "fin": (0.3, 0.2, 0.6)}
     for link in model.links:
         x, z = robodyn.forward_kinematics(model, [], link).p[[0, 2]]
@@ -242,7 +249,7 @@ def composite() -> str:
             a, b, turn = boxes[link]
             e, n = np.array((cos(turn), -sin(turn))), np.array((sin(turn), cos(turn)))
             ring = [s * a / 2 * e + t * b / 2 * n for s, t in ((1, 1), (1, -1), (-1, -1), (-1, 1), (1, 1))]
-            sheet.line([p + (x, z) for p in ring], "edge", 1.5)
+            sheet.line([np.add(p, (x, z)) for p in ring], "edge", 1.5)
         elif "wheel" in link or link == "ball":
             r = 0.12 if "wheel" in link else 0.08
             sheet.line([(x + r * cos(t / 20 * pi), z + r * sin(t / 20 * pi)) for t in range(41)], "edge", 1.5)
@@ -299,43 +306,57 @@ def _turned(w: np.ndarray, step: float, steps: int) -> np.ndarray:
 
 
 def polhodes() -> str:
-    """Paths of H on its sphere, in the axes of the plate with moments 1, 2, 3, for several energies."""
-    sheet = Sheet(420, 360, 140.0, (210.0, 175.0))
-    towards = np.array((1, 1, 1)) / sqrt(3)
-    circle = [(cos(t / 40 * pi), sin(t / 40 * pi)) for t in range(81)]
-    sheet.line(circle, "edge", 1.5)
-    starts = [(axis, lean) for axis in range(3) for lean in (0.15, 0.35, 0.6)]
-    for axis, lean in starts:
-        for side in (1.0, -1.0):
-            H = np.zeros(3)
-            H[axis], H[(axis + 1) % 3] = side * cos(lean), side * sin(lean)
-            if axis == 1:
-                H = np.zeros(3)
-                H[1], H[2], H[0] = side * cos(lean * 0.05), side * sin(lean * 0.05), 0.0
-            path = _turned(H / MOMENTS, 0.12, 260) * MOMENTS
-            colour = (BLUE, RED, GREEN)[axis]
-            run: list[np.ndarray] = []
-            for point in path:
-                if point @ towards > 0:
-                    run.append(ISOMETRIC @ point)
-                elif len(run) > 1:
+    """Paths of H on the sphere |H| = 1, in the axes of the plate with moments 1, 2, 3, for several energies.
+
+    About axis k, H_i^2 (1/I_k - 1/I_i) + H_j^2 (1/I_k - 1/I_j) = 1/I_k - 2 T: an ellipse in the other two components.
+    Through the middle axis go two circles, H_1^2 (1/I_1 - 1/I_2) = H_3^2 (1/I_2 - 1/I_3).
+    """
+    sheet = Sheet(420, 360, 140.0, (210.0, 180.0))
+    towards = np.array((0.5, 0.75, 0.43))
+    towards = towards / sqrt(towards @ towards)
+    right = np.array((-towards[1], towards[0], 0.0)) / hypot(towards[0], towards[1])
+    view = np.array((right, np.cross(towards, right)))
+    turns = [np.array((cos(t), sin(t))) for t in np.linspace(0.0, 2 * pi, 73)]
+    sheet.line(turns, "edge", 1.5)
+
+    def path(points: Sequence[np.ndarray], colour: str) -> None:
+        run: list[np.ndarray] = []
+        for point in [*points, -towards]:
+            if point @ towards > 0:
+                run.append(view @ point)
+            else:
+                if len(run) > 1:
                     sheet.line(run, colour, 1.5)
-                    run = []
-                else:
-                    run = []
-            if len(run) > 1:
-                sheet.line(run, colour, 1.5)
+                run = []
+
+    inverse = 1 / MOMENTS
+    for k, colour in ((0, BLUE), (2, GREEN)):
+        i, j = (k + 1) % 3, (k + 2) % 3
+        for share in (0.06, 0.25, 0.55, 0.85):
+            excess = share * abs(inverse[k] - inverse[1])
+            for side in (1.0, -1.0):
+                points = []
+                for c, s in turns:
+                    H = np.zeros(3)
+                    H[i] = c * sqrt(excess / abs(inverse[k] - inverse[i]))
+                    H[j] = s * sqrt(excess / abs(inverse[k] - inverse[j]))
+                    H[k] = side * sqrt(max(0.0, 1 - H @ H))
+                    points.append(H)
+                path(points, colour)
+    one, three = sqrt(inverse[1] - inverse[2]), sqrt(inverse[0] - inverse[1])
+    for side in (1.0, -1.0):
+        across = np.array((one, 0.0, side * three)) / hypot(one, three)
+        path([c * np.array((0.0, 1.0, 0.0)) + s * across for c, s in turns], RED)
     for axis, name in enumerate(("1 (least)", "2 (middle)", "3 (largest)")):
-        e = np.zeros(3)
-        e[axis] = 1.0
-        sheet.arrow(ISOMETRIC @ e, 1.35 * (ISOMETRIC @ e), "#5c6370", 1.5)
-        sheet.text(1.35 * (ISOMETRIC @ e), name, "ink", 0, -12 if axis == 2 else 18, 13)
+        end = view @ np.eye(3)[axis]
+        sheet.arrow(end, 1.0 * end + 0.22 * end / max(hypot(*end), 1e-9), "#5c6370", 1.5)
+        sheet.text(end + 0.22 * end / max(hypot(*end), 1e-9), name, "ink", 0, -14 if axis == 2 else 18, 13)
     return sheet.svg()
 
 
 def tumbling() -> str:
     """Angular velocity of the plate that is turned about its middle axis, over time."""
-    w = _turned(np.array((0.001, 1.0, 0.001)), 0.02, 3000)
+    w = _turned(np.array((0.001, 1.0, 0.001)), 0.05, 1200)
     sheet = Sheet(640, 260, 1.0, (60.0, 130.0))
     sheet.arrow((0, 0), (560, 0), "#8b93a1", 1)
     sheet.arrow((0, -105), (0, 110), "#8b93a1", 1)
@@ -344,7 +365,7 @@ def tumbling() -> str:
     for level in (-1, 1):
         sheet.text((0, 90 * level), f"{level}", "soft", -14, 0, 11)
     for axis, (colour, name) in enumerate(((BLUE, "w_x"), (RED, "w_y"), (GREEN, "w_z"))):
-        sheet.line([(9 * 0.02 * k, 90 * w[k, axis]) for k in range(0, 3001, 15)], colour, 2)
+        sheet.line([(9 * 0.05 * k, 90 * w[k, axis]) for k in range(0, 1201, 6)], colour, 2)
         sheet.text((90 + 70 * axis, 112), name, colour)
     sheet.text((560, 0), "t [s]", "soft", -6, 26, 12)
     sheet.text((0, 112), "rad/s", "soft", -26, 0, 12)
@@ -396,7 +417,9 @@ def blocks() -> str:
                     colour = BLUE if value != "0" else ""
                     ring = [(x, y), (x + cell, y), (x + cell, y - cell), (x, y - cell), (x, y)]
                     sheet.line(ring, "edge", 1)
-                    sheet.text((x + cell / 2, y - cell / 2), value, colour or "soft", 0, 0, 12 if len(value) < 5 else 10)
+                    sheet.text(
+                        (x + cell / 2, y - cell / 2), value, colour or "soft", 0, 0, 12 if len(value) < 5 else 10
+                    )
             sheet.text((left + 1.5 * cell, -(top + 3 * cell)), name, "ink", 0, 18)
         sheet.text((160 + 310 * k, -(40 + 3 * 38)), title, "soft", 0, 48, 13)
     return sheet.svg()
