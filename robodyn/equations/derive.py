@@ -676,7 +676,7 @@ def derive(
         raise InputError(what, remedy="--at gives the solution in numbers", file=model.file)
     model, scene = _with_payloads(model, scene)
     lettered = Lettered(model, scene, kinds, positive)
-    state = _state(model, scene, at or (), qd or (), qdd or ()) if numbers else None
+    state = _state(model, scene, *(() if x is None else x for x in (at, qd, qdd))) if numbers else None
     agreed, written_out = _agreement(lettered, state), True
     try:
         steps = _written(lettered, state, agreed, written_out)

@@ -122,9 +122,9 @@ def _values(name: str, value: Any, style: Plain) -> list[Row]:
     if np.ndim(value) == 0:
         return [Row(style.name(name), style.sum(value))]
     if np.ndim(value) == 2:
-        return [Row(style.name(name), style.matrix([list(map(style.sum, row)) for row in value]))]
-    if sum(map(len, map(PLAIN.sum, value))) <= WIDTH:
-        return [Row(style.name(name), style.vector([style.sum(x) for x in value]))]
+        return [Row(style.name(name), style.matrix([list(map(style.printer.sum, row)) for row in value]))]
+    if sum(map(len, map(PLAIN.printer.sum, value))) <= WIDTH:
+        return [Row(style.name(name), style.vector([style.printer.sum(x) for x in value]))]
     return [Row(style.component(name, k, len(value)), style.sum(x)) for k, x in enumerate(value) if x != 0]
 
 

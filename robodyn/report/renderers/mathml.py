@@ -9,7 +9,8 @@ from html import escape
 _TOKEN = re.compile(r"\\text\{[^}]*\}|\\begin\{\w+\}|\\end\{\w+\}|\\operatorname\{\w+\}|\\[A-Za-z]+|\\.|\d+\.?\d*|\S")
 _OPERATORS = {r"\times": "×", r"\cdot": "·", r"\sum": "∑", "-": "−", "'": "′", r"\left": "", r"\right": ""}  # noqa: RUF001
 _LETTERS = {r"\omega": "ω", r"\tau": "τ", r"\Gamma": "Γ", r"\Phi": "Φ"}
-_ACCENTS = {r"\dot": "˙", r"\ddot": "¨"}
+_ACCENTS = {r"\dot": "\u0307", r"\ddot": "\u0308"}
+"""Combining characters: accents of MathML sit well in mathematical fonts alone."""
 
 
 def mathml(rows: Iterable[str]) -> str:
@@ -71,9 +72,9 @@ class _Reader:
             body = "".join(
                 f"<mtr>{''.join(f'<mtd>{cell}</mtd>' for cell in row)}</mtr>" for row in self.rows(r"\end{pmatrix}")
             )
-            return f"<mrow><mo>(</mo><mtable>{body}</mtable><mo>)</mo></mrow>"
+            return f'<mtable class="matrix">{body}</mtable>'
         if token in _ACCENTS:
-            return f'<mover accent="true">{self._atom()}<mo>{_ACCENTS[token]}</mo></mover>'
+            return re.sub(r"<mi>(.)</mi>.*", rf'<mi class="dotted">\1{_ACCENTS[token]}</mi>', self._row_of_atom())
         if token == r"\frac":
             return f"<mfrac>{self._atom()}{self._atom()}</mfrac>"
         if token == r"\sqrt":
@@ -89,6 +90,9 @@ class _Reader:
         if token.startswith("\\") and token not in _OPERATORS:
             return f"<mi>{escape(token[1:])}</mi>"
         return f"<mo>{_OPERATORS.get(token, escape(token))}</mo>"
+
+    def _row_of_atom(self) -> str:
+        return self._atom().removeprefix("<mrow>").removesuffix("</mrow>")
 
     def _row(self, end: str) -> str:
         return "".join(self.rows(end)[0])
