@@ -155,16 +155,15 @@ def command(
       robodyn inertia robot.urdf --compare --package-path ~/ros/src
     """
     check_names()
-    view, frame = View(about, rpy), "base" if frame == "ground" else frame
+    view = View(about, rpy)
     if file_type == "urdf" or any(name.lower().endswith(options.ROBOT_SUFFIXES) for name in files):
         from robodyn.cli.inertia_robot import compared, letters, robot
         from robodyn.robot.masses.shapes import How
 
         how = How(exact=exact, repair=repair, strict=strict, cavities=cavities)
-        if compare or link is None:
-            check_use("--compare" if compare else "a whole robot" if symbols is None else "letters")
-        else:
-            check_use("a link as declared" if geometry is None else "a link's shapes")
+        use = "a link as declared" if geometry is None else "a link's shapes"
+        whole_robot = "a whole robot" if symbols is None else "letters"
+        check_use("--compare" if compare else whole_robot if link is None else use)
         if len(files) > 1:
             refuse("a URDF stands alone: one robot at a time, and no meshes beside it")
         if compare:

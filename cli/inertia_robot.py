@@ -82,7 +82,10 @@ def robot(
         document = partial(pages.link_page, found, description, view, checked)
         json = partial(pages.link_json, description.name, found, view, checked)
     else:
-        found, checked = robot_inertia(description, at, links, frame), check_description(description, options)
+        found, checked = (
+            robot_inertia(description, at, links, BASE if frame == "ground" else frame),
+            check_description(description, options),
+        )
         shares = in_numbers(found, description, view, call.qd or ())
         sections = robot_sections(found, view, checked, shares, terms, momentum)
         document = partial(pages.robot_page, found, description, view, checked, shares, momentum)
@@ -96,6 +99,7 @@ def letters(
 ) -> int:
     """Show the bodies of a robot in letters."""
     description = load_description(robot_source(file), **call.lookup)
+    frame = BASE if frame == "ground" else frame
     kinds = KINDS if kinds == ("all",) else kinds
     found = in_letters(description, view, kinds, links, frame, momentum)
     answer(

@@ -130,17 +130,16 @@ def agree(description, view, links=(), frame="base", kinds="mlcI", seed=0):
     assert np.abs(found - expected).max() <= 1e-12 * np.abs(expected).max()
 
 
-@pytest.mark.parametrize("seed", [0])
-def test_letters_of_random_trees_agree_with_numbers(seed, tmp_path):
-    (tmp_path / "tree.urdf").write_text(tree(np.random.default_rng(seed), 2))
-    agree(load_description(tmp_path / "tree.urdf"), VIEWS[2 * (seed % 2)], frame=("base", "b2")[seed % 2], seed=seed)
+def test_letters_of_a_random_tree_agree_with_numbers(tmp_path):
+    (tmp_path / "tree.urdf").write_text(tree(np.random.default_rng(0), 1))
+    agree(load_description(tmp_path / "tree.urdf"), VIEWS[0], frame="b1", kinds="mc")
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", range(4))
 def test_letters_of_more_random_trees_agree_with_numbers(seed, tmp_path):
     (tmp_path / "tree.urdf").write_text(tree(np.random.default_rng(seed + 10), 2))
-    kinds = ("mlcI", "m", "", "lI")[seed % 4]
+    kinds = ("lI", "m", "", "mc")[seed]
     agree(load_description(tmp_path / "tree.urdf"), VIEWS[seed % 3], frame=("base", "b2")[seed % 2], kinds=kinds)
 
 
@@ -223,7 +222,7 @@ def test_centre_of_mass_of_links_in_a_frame():
         ("--symbols m,x", "no symbols 'x'"),
         ("--symbols --at 1,2,3", "--at is not for letters"),
         ("--symbols --format urdf", "--format urdf is for numbers"),
-        ("--format latex", "--format latex is for --symbols"),
+        ("--format latex", "--format latex is for a URDF with --symbols"),
         ("--qd 1,2,3", "--qd is for --momentum"),
         ("--links inner_arm,", "empty"),
         ("--links base", "no mass"),
