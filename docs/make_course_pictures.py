@@ -196,7 +196,7 @@ def parallel_axes() -> str:
     corners = [(150, 60), (330, 60), (360, 150), (180, 190), (120, 120), (150, 60)]
     sheet.line(corners, "body", 20)
     c, o, dm = (245, 120), (430, 70), (170, 150)
-    for point, name in ((c, "axis through c: I_c"), (o, "parallel axis through o: I_o")):
+    for point, name in ((c, "axis through c: I_c"), (o, "axis through o: I_o")):
         sheet.line((np.add(point, (-18, -48)), np.add(point, (26, 70))), BLUE if point == c else RED, 2)
         sheet.text(np.add(point, (26, 70)), name, BLUE if point == c else RED, 0, -14, 12)
     sheet.arrow(o, c, "#5c6370", 2)
@@ -282,6 +282,32 @@ def mirror() -> str:
         for side in (1, -1):
             sheet.disc((side * y, z), size, GREEN)
     sheet.text((0, -112), "each pair adds -z y dm and +z y dm to I_yz: nothing is left", "soft", 0, 0, 12)
+    return sheet.svg()
+
+
+def heavy_top() -> str:
+    """The heavy top, seen along the horizontal axis y of the frame that leans with it."""
+    sheet = Sheet(420, 330, 1.0, (170.0, 290.0))
+    lean = 0.5
+    e, n = np.array((sin(lean), cos(lean))), np.array((cos(lean), -sin(lean)))
+    sheet.line(((-110, 0), (200, 0)), "line", 1.5)
+    sheet.arrow((0, 0), (0, 240), GREY, 1.5)
+    sheet.line((0 * e, 130 * e), "body", 10)
+    sheet.line((130 * e - 62 * n, 130 * e + 62 * n), "edge", 12)
+    sheet.arrow(130 * e, 235 * e, AXES["z"])
+    sheet.text(235 * e, "z, spin", AXES["z"], 34, -4)
+    sheet.arrow((0, 0), 70 * n, AXES["x"])
+    sheet.text(70 * n, "x", AXES["x"], 14, 2)
+    sheet.text((0, 240), "precession W", "soft", 0, -12)
+    sheet.line([(90 * sin(lean * k / 12), 90 * cos(lean * k / 12)) for k in range(13)], "line", 1.5)
+    sheet.text((100 * sin(lean / 2), 100 * cos(lean / 2)), "θ", "ink", 0, -4)
+    sheet.arrow(130 * e, 130 * e + (0, -85), GREEN, 2.5)
+    sheet.text(130 * e + (0, -85), "m g", GREEN, 22, -2)
+    sheet.centre(130 * e)
+    sheet.text(65 * e, "l", "ink", 18, 4)
+    sheet.disc((0, 0), 5)
+    sheet.text((0, 0), "o", "ink", -14, -10)
+    sheet.text((-75, 60), "y points away", "soft", 0, 0, 12)
     return sheet.svg()
 
 
@@ -446,6 +472,7 @@ PICTURES: dict[str, Callable[[], str]] = {
     "rotation_of_axes": rotation_of_axes,
     "composite": composite,
     "mirror": mirror,
+    "heavy_top": heavy_top,
     "polhodes": polhodes,
     "tumbling": tumbling,
     "recursion": recursion,
