@@ -449,7 +449,9 @@ def _solution(
         own, *carried = [unknowns(one, one.label in acting) for one in (body, *body.children)]
         held, along = [*own["F"], *own["M"]], [*own["along"]]
         rows.append((body.label, "6" if body.free else "1", str(len(held)), ", ".join(held) or "-", *(along or "-")))
-        system.append((body.label, "6", ", ".join([*held, *along, *chain(*(chain(*x.values()) for x in carried))]) or "-"))
+        system.append(
+            (body.label, "6", ", ".join([*held, *along, *chain(*(chain(*x.values()) for x in carried))]) or "-")
+        )
     rows.append(("together", str(model.n), str(sum(int(row[2]) for row in rows[1:])), "", ""))
     steps.append(Step("Free bodies", WORDS["free"], laws(GRAVITY), free, rows))
     work_out("Euler's laws of each body", "laws", LAWS, bodies, False)
@@ -555,10 +557,14 @@ def _ode(found: _Collected, model: Model, numbers: bool, agreed: str) -> Step:
         letter = {"gravity": "G", "coriolis": "C"}.get(effect) or AT_JOINTS[effect]
         rows = [Equation(f"{letter}_{i + 1}", x) for i, x in enumerate(share)]
         parts.append(Part(effect.capitalize(), [Equation(letter, np.array(share, dtype=object))] if numbers else rows))
-    words = ["Sorted by accelerations, the drives give M qdd and a bias, which is what is left where nothing accelerates."]
+    words = [
+        "Sorted by accelerations, the drives give M qdd and a bias, which is what is left where nothing accelerates."
+    ]
     if model.floating:
         words.append("Rows 1 to 3 are the components of M_0, rows 4 to 6 those of F_0; on the right they are zero.")
-    law = joined(["M qdd", *({"gravity": "G", "coriolis": "C"}.get(x) or AT_JOINTS[x] for x in found.shares)]) + " = tau"
+    law = (
+        joined(["M qdd", *({"gravity": "G", "coriolis": "C"}.get(x) or AT_JOINTS[x] for x in found.shares)]) + " = tau"
+    )
     parts.append(Part("Check", (), f"The sum and the drives of the step before {agreed}."))
     return Step("The ordinary differential equations", words, [law], parts)
 
@@ -787,7 +793,10 @@ def _agreement(lettered: Lettered, state: State | None) -> list[str]:
     def outputs(tape: Tape) -> Iterator[Scalar]:
         sample, solved, collected, order = _pieces(lettered, state, tape, None, [])
         for i in range(n):
-            shares = [*(collected.M[i, k] * sample.qdd[k] for k in range(n)), *(x[i] for x in collected.shares.values())]
+            shares = [
+                *(collected.M[i, k] * sample.qdd[k] for k in range(n)),
+                *(x[i] for x in collected.shares.values()),
+            ]
             yield solved.tau[i] - total(shares)
         yield from (order.tau[i] - solved.alone[i] for i in range(n))
         yield from (order.M - collected.alone).ravel()
