@@ -91,7 +91,7 @@ def named_values(model, g, letters, rng):
     names |= {"g_0": g, "w_0": np.zeros(3), "v_0": np.zeros(3), "wd_0": np.zeros(3), "a_0": np.zeros(3)}
     tau = generalized(model, found, each)
     for i, body in enumerate(model.bodies[1:], 1):
-        (R, o, w, v, wd, a), (P, H, f, Hd, c) = found[i], each[i]
+        (R, o, w, v, wd, a), (P, H, f, Hd, _) = found[i], each[i]
         R_j, o_j = found[body.parent][:2]
         own = distal(model, i)
         F = sum(each[k][2] for k in own)
