@@ -6,11 +6,11 @@ from typing import Any
 
 import click
 
+from robodyn.cli.equations import SYMBOLS, letters_of
 from robodyn.cli.files import check_names, robot_in_scene
-from robodyn.cli.options import AT, NAMES, PATH, QD, SCENE, VALUES, Call, option, takes
+from robodyn.cli.options import AT, PATH, QD, SCENE, VALUES, Call, option, takes
 from robodyn.cli.screen import answer, show_file
 from robodyn.equations.derive import derive
-from robodyn.equations.letters import KINDS
 from robodyn.report.derive import derive_latex, derive_page, derive_sections
 
 
@@ -20,18 +20,11 @@ from robodyn.report.derive import derive_latex, derive_page, derive_sections
     AT,
     QD,
     option("--qdd QDD", "Accelerations, likewise; default none.", VALUES),
-    option(
-        "--symbols KINDS",
-        "Letters for masses m, lengths l, centres c, inertias I, gravity g; alone: for all.",
-        NAMES,
-        is_flag=False,
-        flag_value=",".join(KINDS),
-    ),
-    option("--assume NAMES", "Symbols that are positive, such as l_1,m_2.", NAMES),
+    SYMBOLS,
     option("--format", "Default text.", ("text", "latex", "html"), "form", default="text"),
     SCENE,
 )
-def command(call: Call, urdf: str, qdd: Any, symbols: Any, assume: Any) -> None:
+def command(call: Call, urdf: str, qdd: Any, symbols: str | None, assume: tuple[str, ...]) -> None:
     """Work out the dynamics by Newton and Euler: frames, velocities, accelerations, momenta, free bodies, Euler's laws,
     the differential-algebraic equations, elimination, drives, the ordinary differential equations, and the same by the
     recursive order formulation. As formulas up to six joints, in numbers with --at.
@@ -44,7 +37,7 @@ def command(call: Call, urdf: str, qdd: Any, symbols: Any, assume: Any) -> None:
     """
     check_names()
     model, scene = robot_in_scene(call, urdf, loops=True)
-    found = derive(model, scene, call.at, call.qd, qdd, symbols or (), assume or ())
+    found = derive(model, scene, call.at, call.qd, qdd, *letters_of(symbols, assume))
     if call.form == "html":
         from robodyn.report.renderers.pages import html
 

@@ -1,8 +1,8 @@
 """The worked solution of a robot's dynamics, step by step from its frames to the equations of motion.
 
 Each line is written once, of quantities that have a name and a value: products and sums make both, so that what a
-formula says and what stands behind it cannot differ. Run on bodies named i, j and k the same lines are the general laws;
-on the robot's bodies, with traced scalars, they are its equations.
+formula says and what stands behind it cannot differ. Run on bodies named i, j and k the same lines are the general
+laws; on the robot's bodies, with traced scalars, they are its equations.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from itertools import chain
+from itertools import chain, pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,8 +19,8 @@ from robodyn.dynamics.effects.effect import Effect, Sample
 from robodyn.dynamics.inverse import bias_forces, mass_matrix
 from robodyn.dynamics.plan import Plan, applied, at_rest, loads
 from robodyn.equations.closed import MOST_JOINTS
-from robodyn.equations.forms import Forms, TooLargeError, module
-from robodyn.equations.letters import AXES, SOURCE, Letter, Lettered
+from robodyn.equations.forms import LETTERS, Forms, TooLargeError, module
+from robodyn.equations.letters import AXES, Letter, Lettered
 from robodyn.equations.ode import check_equations
 from robodyn.errors import InputError, SceneError
 from robodyn.programs.linear import eigen
@@ -43,6 +43,8 @@ KNOWN, REACTIONS = "known", "reactions"
 COMPARED = 150_000
 """Products of terms that may be formed to compare as formulas; beyond, numbers are compared, at so many states:"""
 STATES = 16
+NOISE = 1e-12
+"""In numbers what is smaller beside the largest of its equation is what rounding leaves of zero."""
 AT_JOINTS = {"viscous friction": "D", "coulomb friction": "K", "joint spring": "S", "rotor inertia": "J"}
 """Effects that act along joints, and the letters of their terms."""
 OF_BODIES = ("gravity", "inertia", "coriolis", "moving base", "mimic", "payload")
@@ -314,12 +316,17 @@ def _bodies(lettered: Lettered, gravity: Array, sample: Sample, tape: Tape) -> t
             continue
         one = _Body(str(i), "", every[body.parent], [], joint.kind == "revolute", joint.kind == "prismatic")
         every[body.parent].children.append(one)
-        one.give(m=m, r=r, I=I, R=motion.R, p=motion.p, e=joint.axis)
+        one.give(m=m, r=r, I=I, R=_right_angles(motion.R), p=motion.p, e=joint.axis)
         one.give(q=sample.position(joint), qd=sample.speed(joint), qdd=sample.acceleration(joint))
         moves, before = "turns" if one.turns else "slides", model.bodies[body.parent].name
         one.title = f"Body {i}, {body.name}: its joint {joint.name} {moves} on body {body.parent}, {before}"
         every.append(one)
     return ground, every if model.floating else every[1:]
+
+
+def _right_angles(R: Array) -> Array:
+    """Return a rotation in numbers with zeros for what rounding leaves of them."""
+    return np.vectorize(lambda x: 0.0 if isinstance(x, float) and abs(x) <= NOISE else x, [object])(R)
 
 
 def unknowns(body: _Body, acting: bool) -> dict[str, dict[str, Floats]]:
@@ -367,48 +374,30 @@ class _Traced(NamedTuple):
 
 
 WORDS = {
-    "frames": (
-        "Body i has its axes where its joint is. In the axes of the body before it, p is the way from that body's origin "
-        "to its own, and R turns components from its own axes into those. In its own axes, e is the joint's axis, r the "
-        "way from the origin to the mass centre, I the inertia matrix about the mass centre; m is the mass.",
-        "All vectors of a body are written in its own axes.",
-    ),
-    "velocities": (
-        "A body has the velocities of the body that carries it, turned into its own axes, and what its joint adds: e qd "
-        "to w where it turns, to v where it slides. v_c is the velocity of the mass centre.",
-    ),
-    "accelerations": (
-        "The same once more: wd and a are the accelerations of the body and of its origin, seen from the ground. The axis "
-        "of a joint turns with the body before it: hence the cross products with qd.",
-    ),
-    "momenta": (
-        "P is the linear momentum, H the angular momentum about the mass centre; Pd and Hd are their rates, seen from the "
-        "ground. Axes that turn with w see H change by less: hence w x H.",
-    ),
-    "free": (
-        "Each joint is cut. The body before exerts on the body the force F at the joint, and the moment M about the "
-        "joint's origin. A joint of f degrees of freedom holds 6 - f components, the unknown reactions; along its freedom "
-        "acts the drive. Gravity is turned outwards as velocities are.",
-    ),
-    "laws": (
-        "Euler's first law: the momentum changes by the sum of the forces. Euler's second law: the angular momentum about "
-        "the mass centre changes by the sum of the moments about it. The unknown reactions stand in them.",
-    ),
-    "elimination": (
-        "A body at a tip carries nothing: its laws hold no reactions but those of its own joint, and are solved for them. "
-        "They are then known in the laws of the body before, and so on to the base.",
-    ),
-    "drives": (
-        "What a drive has to give is the component of the reaction along the axis: of M where the joint turns, of F where "
-        "it slides.",
-    ),
-    "order": (
-        "The recursions of all bodies are one equation of stacked vectors: twists V_i = (w_i, v_i) and wrenches "
-        "W_i = (M_i, F_i) about the origins. A_i takes the twist of the body before to body i, h_i is the direction of "
-        "the joint, B_i has inertia about the origin and mass; z_i and b_i are what velocities alone make, and gravity is "
-        "in z, as an acceleration of the ground upwards. Gamma has A_i in the row of body i and the column of the body "
-        "before it, so that products alone invert 1 - Gamma: Phi.",
-    ),
+    "frames": "Body i has its axes at its joint. In the axes of the body before it, p is the way from that body's origin to "
+    "its own; R turns components in its own axes into those. In its own axes, e is the joint's axis, r the way "
+    "from the origin to the mass centre, I the inertia matrix about it; m is the mass. All vectors of a body are "
+    "written in its own axes.",
+    "velocities": "A body has the velocities of the body that carries it, turned into its own axes, and what its joint adds: e "
+    "qd to w where it turns, to v where it slides. v_c is the velocity of the mass centre.",
+    "accelerations": "The same once more: wd and a are the accelerations of the body and of its origin, seen from the ground. The "
+    "axis of a joint turns with the body before it: hence the cross products with qd.",
+    "momenta": "P is the linear momentum, H the angular momentum about the mass centre; Pd and Hd are their rates, seen from "
+    "the ground. In axes that turn with w components of H change besides: hence w x H.",
+    "free": "Each joint is cut. The body before exerts on the body the force F at the joint and the moment M about its "
+    "origin. A joint of f degrees of freedom holds 6 - f components, the unknown reactions; along its freedom "
+    "acts the drive. Gravity is turned outwards as velocities are.",
+    "laws": "Euler's first law: the momentum changes by the sum of the forces. Euler's second law: the angular momentum "
+    "about the mass centre changes by the sum of the moments about it. The unknown reactions stand in them.",
+    "elimination": "A body at a tip carries nothing: its laws hold no reactions but those of its own joint, and are solved for "
+    "them. They are then known in the laws of the body before, and so on to the base.",
+    "drives": "What a drive has to give is the component of the reaction along the axis: of M where the joint turns, of F "
+    "where it slides.",
+    "order": "The recursions of all bodies are one equation of stacked vectors: twists V_i = (w_i, v_i) and wrenches W_i = "
+    "(M_i, F_i) about the origins. A_i takes the twist of the body before to body i, h_i is the direction of the "
+    "joint, B_i has inertia about the origin and mass; z_i and b_i are what velocities alone make, and gravity is "
+    "in z, as an acceleration of the ground upwards. Gamma has A_i in the row of body i and the column of the "
+    "body before it, so that products alone invert 1 - Gamma: Phi.",
 }
 
 
@@ -430,10 +419,10 @@ def _solution(
         mimics = model.bodies[int(body.label)].joint.mimics is not None
         letters = [*("q" * mimics), *("" if body.free else "Rpe"), *"mrI"]
         given.append(Part(body.title, [Equation(body.name(x), body.known[x].value) for x in letters]))
-    steps = [Step("Frames, coordinates and what is known", WORDS["frames"], (), given)]
+    steps = [Step("Frames, coordinates and what is known", [WORDS["frames"]], (), given)]
 
     def work_out(title: str, words: str, rules: Rules, order: Sequence[_Body] = bodies, find: bool = True) -> None:
-        steps.append(Step(title, WORDS[words], laws(rules), sheet.work_out(order, rules, find)))
+        steps.append(Step(title, [WORDS[words]], laws(rules), sheet.work_out(order, rules, find)))
 
     work_out("Velocities, from the base outwards", "velocities", VELOCITIES)
     work_out("Accelerations, from the base outwards", "accelerations", ACCELERATIONS)
@@ -449,14 +438,16 @@ def _solution(
         own, *carried = [unknowns(one, one.label in acting) for one in (body, *body.children)]
         held, along = [*own["F"], *own["M"]], [*own["along"]]
         rows.append((body.label, "6" if body.free else "1", str(len(held)), ", ".join(held) or "-", *(along or "-")))
-        system.append((body.label, "6", ", ".join([*held, *along, *chain(*(chain(*x.values()) for x in carried))]) or "-"))
+        system.append(
+            (body.label, "6", ", ".join([*held, *along, *chain(*(chain(*x.values()) for x in carried))]) or "-")
+        )
     rows.append(("together", str(model.n), str(sum(int(row[2]) for row in rows[1:])), "", ""))
-    steps.append(Step("Free bodies", WORDS["free"], laws(GRAVITY), free, rows))
+    steps.append(Step("Free bodies", [WORDS["free"]], laws(GRAVITY), free, rows))
     work_out("Euler's laws of each body", "laws", LAWS, bodies, False)
     steps.append(_system(bodies, model, system))
     work_out("Elimination, from the tips to the base", "elimination", ELIMINATION, bodies[::-1])
     tau, alone, drives = _drives(bodies, model, beside)
-    words = [*WORDS["drives"]]
+    words = [WORDS["drives"]]
     if model.floating:
         words.append("Nothing holds the base: F_0 and M_0 vanish. These are the six equations of its motion.")
     i = _generic()
@@ -555,10 +546,14 @@ def _ode(found: _Collected, model: Model, numbers: bool, agreed: str) -> Step:
         letter = {"gravity": "G", "coriolis": "C"}.get(effect) or AT_JOINTS[effect]
         rows = [Equation(f"{letter}_{i + 1}", x) for i, x in enumerate(share)]
         parts.append(Part(effect.capitalize(), [Equation(letter, np.array(share, dtype=object))] if numbers else rows))
-    words = ["Sorted by accelerations, the drives give M qdd and a bias, which is what is left where nothing accelerates."]
+    words = [
+        "Sorted by accelerations, the drives give M qdd and a bias, which is what is left where nothing accelerates."
+    ]
     if model.floating:
         words.append("Rows 1 to 3 are the components of M_0, rows 4 to 6 those of F_0; on the right they are zero.")
-    law = joined(["M qdd", *({"gravity": "G", "coriolis": "C"}.get(x) or AT_JOINTS[x] for x in found.shares)]) + " = tau"
+    law = (
+        joined(["M qdd", *({"gravity": "G", "coriolis": "C"}.get(x) or AT_JOINTS[x] for x in found.shares)]) + " = tau"
+    )
     parts.append(Part("Check", (), f"The sum and the drives of the step before {agreed}."))
     return Step("The ordinary differential equations", words, [law], parts)
 
@@ -632,8 +627,8 @@ def _order_formulation(bodies: list[_Body], model: Model, sample: Sample) -> _Or
     grids = (("Gamma", names), ("Phi", reach))
     parts.append(Part("All bodies", [Equation(left, grid=tuple(map(tuple, grid))) for left, grid in grids]))
     J = times(Phi, H)
-    rows = [Equation(body.name("J"), J.value[6 * k : 6 * k + 6]) for k, body in enumerate(bodies)]
-    parts.append(Part(f"The rows of J = {J.name} of each body: its Jacobian", rows))
+    each = [Equation(body.name("J"), J.value[6 * k : 6 * k + 6]) for k, body in enumerate(bodies)]
+    parts.append(Part(f"The rows of J = {J.name} of each body: its Jacobian", each))
     said = (("Phi", inverse), ("V", V), ("Vd", Vd), ("W", W), ("tau", tau), ("M", M))
     return _Order(parts, [f"{left} = {right.name}" for left, right in said], M.value, tau.value)
 
@@ -749,8 +744,10 @@ def _written(lettered: Lettered, state: State | None, agreed: Sequence[str], wri
         place = len(found)
         last = f"Its tau and the drives of step {place - 1} {agreed[1]}; its M and that of step {place} {agreed[2]}."
         title = "The recursive order formulation"
-        found.append(Step(title, WORDS["order"], order.laws, [*order.parts, Part("Check", (), last)]))
-        for array in _values(found, lambda value: value):
+        found.append(Step(title, [WORDS["order"]], order.laws, [*order.parts, Part("Check", (), last)]))
+        for equation in _equations(found) if state is not None else ():
+            _settle(equation)
+        for array in _values(_equations(found), lambda value: value):
             yield from np.asarray(array, dtype=object).ravel()
 
     program, symbol = trace(outputs), module().Symbol
@@ -765,14 +762,29 @@ def _written(lettered: Lettered, state: State | None, agreed: Sequence[str], wri
             out[index] = next(entries)
         return out if out.shape else out.item()
 
-    for _ in _values(found, written):
+    for _ in _values(_equations(found), written):
         pass
     return tuple(found)
 
 
-def _values(steps: Iterable[Step], change: Callable[[Any], Any]) -> Iterator[Any]:
+def _equations(steps: Iterable[Step]) -> Iterator[Equation]:
+    return (equation for step in steps for part in step.parts for equation in part.equations)
+
+
+def _settle(equation: Equation) -> None:
+    """Put zeros in place of numbers that rounding leaves of them."""
+    found = [*(term.value for term in equation.terms), equation.total, equation.value]
+    sizes = [abs(x) for array in found for x in np.ravel(np.asarray(array, dtype=object)) if isinstance(x, float)]
+    least = NOISE * max(sizes, default=0.0)
+    for _ in _values(
+        [equation], np.vectorize(lambda x: 0.0 if isinstance(x, float) and abs(x) <= least else x, [object])
+    ):
+        pass
+
+
+def _values(equations: Iterable[Equation], change: Callable[[Any], Any]) -> Iterator[Any]:
     """Put what `change` makes of them in place of all values, in their order, and yield them."""
-    for equation in (equation for step in steps for part in step.parts for equation in part.equations):
+    for equation in equations:
         equation.terms = [replace(term, value=change(term.value)) for term in equation.terms]
         equation.total, equation.value = (None if x is None else change(x) for x in (equation.total, equation.value))
         yield from (term.value for term in equation.terms)
@@ -787,7 +799,10 @@ def _agreement(lettered: Lettered, state: State | None) -> list[str]:
     def outputs(tape: Tape) -> Iterator[Scalar]:
         sample, solved, collected, order = _pieces(lettered, state, tape, None, [])
         for i in range(n):
-            shares = [*(collected.M[i, k] * sample.qdd[k] for k in range(n)), *(x[i] for x in collected.shares.values())]
+            shares = [
+                *(collected.M[i, k] * sample.qdd[k] for k in range(n)),
+                *(x[i] for x in collected.shares.values()),
+            ]
             yield solved.tau[i] - total(shares)
         yield from (order.tau[i] - solved.alone[i] for i in range(n))
         yield from (order.M - collected.alone).ravel()
@@ -800,11 +815,11 @@ def _agreement(lettered: Lettered, state: State | None) -> list[str]:
             if not any(forms):
                 return ["are the same: every difference vanishes, term by term"] * 3
     values = np.array([letter.value for letter in lettered.letters])
-    widths = {"q": lettered.plan.model.nq, "qd": n, "qdd": n, SOURCE: len(values)}
+    widths = {"q": lettered.plan.model.nq, "qd": n, "qdd": n, LETTERS: len(values)}
     states = {source: np.random.default_rng(0).uniform(-2.0, 2.0, (STATES, k)) for source, k in widths.items()}
-    states[SOURCE] = np.tile(values, (STATES, 1))
+    states[LETTERS] = np.tile(values, (STATES, 1))
     out = NumpyBlocks(program, widths)(states, STATES)
-    sizes = [float(np.abs(out[:, a:b]).max(initial=0.0)) for a, b in zip(ends, ends[1:], strict=False)]
+    sizes = [float(np.abs(out[:, a:b]).max(initial=0.0)) for a, b in pairwise(ends)]
     off = [x / (scale or 1.0) for x, scale in zip(sizes[:3], (sizes[3], sizes[3], sizes[4]), strict=True)]
     where = f" at {STATES} random states" if state is None else ""
     return [f"differ{where} by {'less than 1e-12' if x <= 1e-12 else f'{x:.0e}'} of the largest" for x in off]

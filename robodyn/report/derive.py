@@ -14,7 +14,7 @@ from robodyn.equations.derive import Derivation, Equation, joined
 from robodyn.report.document import Block, Document, Formula, Heading, Paragraph, Section, Table
 from robodyn.report.renderers.latex import escaped
 from robodyn.report.renderers.letters import Latex, Text
-from robodyn.report.table import NOISE, gravity_text
+from robodyn.report.table import gravity_text
 
 WIDTH = 100
 """Characters after which a sum goes on in the next line."""
@@ -143,31 +143,9 @@ def formula(equations: Iterable[Equation], title: str = "") -> Formula:
     for equation in equations:
         lines += _lines(list(rows(equation, PLAIN)))
         for left, right, word, term in rows(equation, MATHEMATICS):
-            word = rf" \quad \text{{({word})}}" if word else ""
-            latex.append(f"& \\quad {left} = {right}{word}" if term else f"{left} &= {right}{word}")
+            end = rf" \quad \text{{({word})}}" if word else ""
+            latex.append(f"& \\quad {left} = {right}{end}" if term else f"{left} &= {right}{end}")
     return Formula(tuple(lines), tuple(latex), title if sum(map(len, latex)) > FOLDED else "")
-
-
-def _cleaned(equation: Equation) -> Equation:
-    """Return an equation in numbers without what rounding leaves."""
-    arrays = [*(term.value for term in equation.terms), equation.total, equation.value]
-    parts = [x.as_coeff_add() for array in arrays if array is not None for x in np.asarray(array, dtype=object).ravel()]
-    least = NOISE * max((abs(float(number)) for number, _ in parts), default=0.0)
-    coefficients = [abs(float(term.as_coeff_Mul()[0])) for _, terms in parts for term in terms]
-    smallest = NOISE * max(coefficients, default=0.0)
-
-    def clean(array: Any) -> Any:
-        if array is None:
-            return None
-        out = np.empty(np.shape(array), dtype=object)
-        for place, x in np.ndenumerate(np.asarray(array, dtype=object)):
-            number, terms = x.as_coeff_add()
-            kept = [term for term in terms if abs(float(term.as_coeff_Mul()[0])) > smallest]
-            out[place] = sum(kept, number if abs(float(number)) > least else 0 * number)
-        return out if out.shape else out.item()
-
-    terms = [replace(term, value=clean(term.value)) for term in equation.terms]
-    return replace(equation, terms=terms, total=clean(equation.total), value=clean(equation.value))
 
 
 def derive_sections(found: Derivation) -> Iterator[Section]:
@@ -201,15 +179,13 @@ def _sections(found: Derivation) -> Iterator[Section]:
                 latex.append(f"{MATHEMATICS.name(left)} &= {MATHEMATICS.name(right)}{words}")
             general = "In general, for body i on body j" * any("_i" in law for law in step.laws)
             general += ", which carries bodies k" * any("_k" in law for law in step.laws)
-            words = [Paragraph(f"{general}:")] if general else []
-            yield [*words, Formula(tuple(_lines(lines)), tuple(latex))]
+            yield [*([Paragraph(f"{general}:")] if general else []), Formula(tuple(_lines(lines)), tuple(latex))]
         if step.counts:
-            head, *cells = step.counts
-            yield [Table("", head, [[f"`{x}`" if "_" in x else x for x in row] for row in cells])]
+            titles, *cells = step.counts
+            yield [Table("", titles, [[f"`{x}`" if "_" in x else x for x in row] for row in cells])]
         for part in step.parts:
-            equations = [_cleaned(x) for x in part.equations] if found.numbers else part.equations
             block: list[Block] = [Paragraph(text) for text in (part.title, part.words) if text]
-            yield [*block, formula(equations, part.title)] if equations else block
+            yield [*block, formula(part.equations, part.title)] if part.equations else block
 
 
 def notation(found: Derivation) -> str:

@@ -66,7 +66,7 @@ CALLS: dict[str, str] = {
     # commands and options
     "torqes": "there is no command 'torqes'; did you mean 'torques'? (try: robodyn --help)",
     "zebra": "there is no command 'zebra'; commands: 'torques', 'retime', 'envelope', 'size', 'simulate', 'inertia', "
-    "'check', 'fbd', ... (22 in all) (try: robodyn --help)",
+    "'check', 'fbd', ... (23 in all) (try: robodyn --help)",
     "--verson": "no such option '--verson'; did you mean '--version'? (try: robodyn --help)",
     "torques": "missing argument 'URDF' (try: robodyn torques --help)",
     "torques arm.urdf arm.csv --gravty 0,0,0": "no such option '--gravty'; did you mean '--gravity'? (try: robodyn tor",

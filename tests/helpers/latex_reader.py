@@ -16,10 +16,10 @@ GREEK = {r"\omega": "w", r"\tau": "tau", r"\Gamma": "Gamma", r"\Phi": "Phi"}
 
 def equations(latex):
     """Yield (left, right) of every equation in align* of a text; a row without a left side goes on with the last."""
-    for body in re.findall(r"\\begin\{align\*\}\n(.*?)\n\\end\{align\*\}", latex, re.DOTALL):
+    for found in re.findall(r"\\begin\{align\*\}\n(.*?)\n\\end\{align\*\}", latex, re.DOTALL):
         left = None
-        for row in re.sub(r" \\\\\n&\\quad ", " ", body).split(" \\\\\n"):
-            row = re.sub(r" \\quad \\text\{.*?\}", "", row)
+        body = re.sub(r" \\quad \\text\{.*?\}", "", re.sub(r" \\\\\n&\\quad ", " ", found))
+        for row in body.split(" \\\\\n"):
             sides = [side.strip() for side in re.split(r" &?= ", re.sub(r"^& \\quad ", "", row))]
             if not row.startswith("&") and sides[0]:
                 left = sides[0]
@@ -59,7 +59,8 @@ class Reader:
 
     def take(self, expected=None):
         token = self.peek()
-        assert token and expected in (None, token), (expected, token)
+        assert token
+        assert expected in (None, token), token
         self.k += 1
         return token
 

@@ -11,6 +11,8 @@ _OPERATORS = {r"\times": "×", r"\cdot": "·", r"\sum": "∑", "-": "−", "'": 
 _LETTERS = {r"\omega": "ω", r"\tau": "τ", r"\Gamma": "Γ", r"\Phi": "Φ"}
 _ACCENTS = {r"\dot": "\u0307", r"\ddot": "\u0308"}
 """Combining characters: accents of MathML sit well in mathematical fonts alone."""
+BACKSLASH = "\\"
+SPACE = {"<mo></mo>": "", "<mi>quad</mi>": '<mspace width="1em"/>'}
 
 
 def mathml(rows: Iterable[str]) -> str:
@@ -62,37 +64,27 @@ class _Reader:
 
     def _atom(self) -> str:
         token, self._next = self._tokens[self._next], self._next + 1
-        if token == "{":
-            return f"<mrow>{self._row('}')}</mrow>"
-        if token == "(":
-            return f"<mrow><mo>(</mo>{self._row(')')}<mo>)</mo></mrow>"
-        if token in (r"\left", r"\right") or token in (r"\,", r"\;"):
-            return ""
+        if token in "{(":
+            inside = self._row("}" if token == "{" else ")")
+            return f"<mrow>{inside}</mrow>" if token == "{" else f"<mrow><mo>(</mo>{inside}<mo>)</mo></mrow>"
         if token == r"\begin{pmatrix}":
-            body = "".join(
-                f"<mtr>{''.join(f'<mtd>{cell}</mtd>' for cell in row)}</mtr>" for row in self.rows(r"\end{pmatrix}")
-            )
-            return f'<mtable class="matrix">{body}</mtable>'
-        if token in _ACCENTS:
-            return re.sub(r"<mi>(.)</mi>.*", rf'<mi class="dotted">\1{_ACCENTS[token]}</mi>', self._row_of_atom())
-        if token == r"\frac":
-            return f"<mfrac>{self._atom()}{self._atom()}</mfrac>"
-        if token == r"\sqrt":
-            return f"<msqrt>{self._atom()}</msqrt>"
-        if token == r"\quad":
-            return '<mspace width="1em"/>'
-        if token.startswith((r"\text", r"\operatorname")):
-            return f"<mtext>{escape(token.partition('{')[2][:-1])}</mtext>"
-        if token in _LETTERS or token.isalpha():
-            return f"<mi>{_LETTERS.get(token, token)}</mi>"
-        if token[0].isdigit():
-            return f"<mn>{token}</mn>"
-        if token.startswith("\\") and token not in _OPERATORS:
-            return f"<mi>{escape(token[1:])}</mi>"
-        return f"<mo>{_OPERATORS.get(token, escape(token))}</mo>"
-
-    def _row_of_atom(self) -> str:
-        return self._atom().removeprefix("<mrow>").removesuffix("</mrow>")
+            cells = (f"<mtr><mtd>{'</mtd><mtd>'.join(row)}</mtd></mtr>" for row in self.rows(r"\end{pmatrix}"))
+            found = f'<mtable class="matrix">{"".join(cells)}</mtable>'
+        elif token in _ACCENTS:
+            found = re.sub(r"<mi>(.)</mi>", rf'<mi class="dotted">\1{_ACCENTS[token]}</mi>', self._atom())
+        elif token == r"\frac":
+            found = f"<mfrac>{self._atom()}{self._atom()}</mfrac>"
+        elif token == r"\sqrt":
+            found = f"<msqrt>{self._atom()}</msqrt>"
+        elif token.startswith((r"\text", r"\operatorname")):
+            found = f"<mtext>{escape(token.partition('{')[2][:-1])}</mtext>"
+        elif token[0].isdigit():
+            found = f"<mn>{token}</mn>"
+        elif token in _OPERATORS or not (token in _LETTERS or token.isalpha() or token[0] == "\\"):
+            found = f"<mo>{_OPERATORS.get(token, escape(token))}</mo>"
+        else:
+            found = f"<mi>{_LETTERS.get(token, escape(token.lstrip(BACKSLASH)))}</mi>"
+        return found if found not in ("<mo></mo>", "<mi>quad</mi>") else SPACE[found]
 
     def _row(self, end: str) -> str:
         return "".join(self.rows(end)[0])

@@ -48,7 +48,14 @@ def html(document: doc.Document) -> str:
 
     strict: dict[str, Any] = {"autoescape": True, "undefined": StrictUndefined}
     room = Environment(loader=FileSystemLoader(_ASSETS), trim_blocks=True, lstrip_blocks=True, **strict)
-    room.filters |= {"words": printable, "name": name, "unit": unit, "code": doc.code_lines, "data": data, "mathml": formula}
+    room.filters |= {
+        "words": printable,
+        "name": name,
+        "unit": unit,
+        "code": doc.code_lines,
+        "data": data,
+        "mathml": formula,
+    }
     room.tests["block"] = lambda block, name: type(block).__name__ == name
     shown = [
         part for block in document.blocks for part in (block.figures if isinstance(block, doc.Gallery) else [block])
