@@ -155,27 +155,26 @@ def command(
       robodyn inertia robot.urdf --compare --package-path ~/ros/src
     """
     check_names()
+    check_form(call, symbols is not None, momentum)
     view = View(about, rpy)
     if file_type == "urdf" or any(name.lower().endswith(options.ROBOT_SUFFIXES) for name in files):
         from robodyn.cli.inertia_robot import compared, letters, robot
         from robodyn.robot.masses.shapes import How
 
-        how = How(exact=exact, repair=repair, strict=strict, cavities=cavities)
-        use = "a link as declared" if geometry is None else "a link's shapes"
-        whole_robot = "a whole robot" if symbols is None else "letters"
-        check_use("--compare" if compare else whole_robot if link is None else use)
+        of_robot, of_link = ("a whole robot", "letters"), ("a link as declared", "a link's shapes")
+        use = of_robot[symbols is not None] if link is None else of_link[geometry is not None]
+        check_use("--compare" if compare else use)
         if len(files) > 1:
             refuse("a URDF stands alone: one robot at a time, and no meshes beside it")
+        how = How(exact=exact, repair=repair, strict=strict, cavities=cavities)
         if compare:
             return compared(call, files[0], geometry or "visual", how)
-        check_form(call, symbols is not None, momentum)
         if symbols is not None:
             return letters(call, files[0], view, symbols, links or (), frame, momentum)
         rho, m = one_each(density, files, "--density")[0], one_each(mass, files, "--mass")[0]
-        rest = (links or (), frame, terms, momentum)
-        return robot(call, files[0], view, call.at or (), link, geometry, rho, m, how, *rest)
+        body = (link, geometry, rho, m, how, links or (), frame, terms, momentum)
+        return robot(call, files[0], view, call.at or (), *body)
     check_use("--combine" if combine else "meshes one by one")
-    check_form(call, False, momentum)
     if combine or call.form == "urdf":
         symmetry, tessellation = symmetry or False, tessellation or False
     whole = mass[0] if combine and len(mass) == 1 else None

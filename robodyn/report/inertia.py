@@ -255,9 +255,8 @@ def _terms(found: Composite, view: View) -> Table:
     rows = []
     scale = float(np.abs(found.whole.inertia).max())
     for share in (*found.bodies, found.whole):
-        for k, (what, matrix) in enumerate(_terms_of(share)):
-            name = "" if k else printable(share.name)
-            rows.append((name, what, *(number(float(matrix[at]), scale) for at in ORDER)))
+        for what, matrix in _terms_of(share):
+            rows.append((printable(share.name), what, *(number(float(matrix[at]), scale) for at in ORDER)))
     head = ("link", "term", *(AXES[i] + AXES[j] for i, j in ORDER))
     note = "R turns the link's axes into those asked for; d leads from the point to the link's mass centre"
     return Table(f"Shares of the inertia {view.words} [kg m^2]", head, rows, note)
