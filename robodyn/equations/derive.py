@@ -37,7 +37,7 @@ from robodyn.support.wording import count
 ATOM, PRODUCT, CROSS, SUM = range(4)
 """How tightly a name holds together: what is looser stands in brackets."""
 LONGEST = 150
-"""Terms of a component up to which all lines are written out in the coordinates; beyond, in what earlier lines define."""
+"""Terms of a component up to which all is written out in the coordinates; beyond, in what earlier lines define."""
 KNOWN, REACTIONS = "known", "reactions"
 """Sources of inputs: components that earlier lines define, and unknown reactions."""
 COMPARED = 150_000
@@ -326,7 +326,8 @@ def _bodies(lettered: Lettered, gravity: Array, sample: Sample, tape: Tape) -> t
 
 def _right_angles(R: Array) -> Array:
     """Return a rotation in numbers with zeros for what rounding leaves of them."""
-    return np.vectorize(lambda x: 0.0 if isinstance(x, float) and abs(x) <= NOISE else x, [object])(R)
+    turned: Array = np.vectorize(lambda x: 0.0 if isinstance(x, float) and abs(x) <= NOISE else x, [object])(R)
+    return turned
 
 
 def unknowns(body: _Body, acting: bool) -> dict[str, dict[str, Floats]]:
@@ -373,32 +374,45 @@ class _Traced(NamedTuple):
     alone: list[Scalar]
 
 
-WORDS = {
-    "frames": "Body i has its axes at its joint. In the axes of the body before it, p is the way from that body's origin to "
-    "its own; R turns components in its own axes into those. In its own axes, e is the joint's axis, r the way "
-    "from the origin to the mass centre, I the inertia matrix about it; m is the mass. All vectors of a body are "
-    "written in its own axes.",
-    "velocities": "A body has the velocities of the body that carries it, turned into its own axes, and what its joint adds: e "
-    "qd to w where it turns, to v where it slides. v_c is the velocity of the mass centre.",
-    "accelerations": "The same once more: wd and a are the accelerations of the body and of its origin, seen from the ground. The "
-    "axis of a joint turns with the body before it: hence the cross products with qd.",
-    "momenta": "P is the linear momentum, H the angular momentum about the mass centre; Pd and Hd are their rates, seen from "
-    "the ground. In axes that turn with w components of H change besides: hence w x H.",
-    "free": "Each joint is cut. The body before exerts on the body the force F at the joint and the moment M about its "
-    "origin. A joint of f degrees of freedom holds 6 - f components, the unknown reactions; along its freedom "
-    "acts the drive. Gravity is turned outwards as velocities are.",
-    "laws": "Euler's first law: the momentum changes by the sum of the forces. Euler's second law: the angular momentum "
-    "about the mass centre changes by the sum of the moments about it. The unknown reactions stand in them.",
-    "elimination": "A body at a tip carries nothing: its laws hold no reactions but those of its own joint, and are solved for "
-    "them. They are then known in the laws of the body before, and so on to the base.",
-    "drives": "What a drive has to give is the component of the reaction along the axis: of M where the joint turns, of F "
-    "where it slides.",
-    "order": "The recursions of all bodies are one equation of stacked vectors: twists V_i = (w_i, v_i) and wrenches W_i = "
-    "(M_i, F_i) about the origins. A_i takes the twist of the body before to body i, h_i is the direction of the "
-    "joint, B_i has inertia about the origin and mass; z_i and b_i are what velocities alone make, and gravity is "
-    "in z, as an acceleration of the ground upwards. Gamma has A_i in the row of body i and the column of the "
-    "body before it, so that products alone invert 1 - Gamma: Phi.",
-}
+WORDS = """\
+frames: Body i has its axes at its joint. In the axes of the body before it, p is the way from that body's origin to
+its own; R turns components in its own axes into those. In its own axes, e is the joint's axis, r the way from the
+origin to the mass centre, I the inertia matrix about it; m is the mass. All vectors of a body are written in its own
+axes.
+
+velocities: A body has the velocities of the body that carries it, turned into its own axes, and what its joint adds:
+e qd to w where it turns, to v where it slides. v_c is the velocity of the mass centre.
+
+accelerations: The same once more: wd and a are the accelerations of the body and of its origin, seen from the ground.
+The axis of a joint turns with the body before it: hence the cross products with qd.
+
+momenta: P is the linear momentum, H the angular momentum about the mass centre; Pd and Hd are their rates, seen from
+the ground. In axes that turn with w components of H change besides: hence w x H.
+
+free: Each joint is cut. The body before exerts on the body the force F at the joint and the moment M about its
+origin. A joint of f degrees of freedom holds 6 - f components, the unknown reactions; along its freedom acts the
+drive. Gravity is turned outwards as velocities are.
+
+laws: Euler's first law: the momentum changes by the sum of the forces. Euler's second law: the angular momentum about
+the mass centre changes by the sum of the moments about it. The unknown reactions stand in them.
+
+elimination: A body at a tip carries nothing: its laws hold no reactions but those of its own joint, and are solved
+for them. They are then known in the laws of the body before, and so on to the base.
+
+drives: What a drive has to give is the component of the reaction along the axis: of M where the joint turns, of F
+where it slides.
+
+order: The recursions of all bodies are one equation of stacked vectors: twists V_i = (w_i, v_i) and wrenches W_i =
+(M_i, F_i) about the origins. A_i takes the twist of the body before to body i, h_i is the direction of the joint, B_i
+has inertia about the origin and mass; z_i and b_i are what velocities alone make, and gravity is in z, as an
+acceleration of the ground upwards. Gamma has A_i in the row of body i and the column of the body before it, so that
+products alone invert 1 - Gamma: Phi."""
+"""What is done in each step, and why."""
+
+
+def _words(step: str) -> str:
+    texts = dict(text.split(": ", 1) for text in WORDS.split("\n\n"))
+    return " ".join(texts[step].split())
 
 
 def _solution(
@@ -419,10 +433,10 @@ def _solution(
         mimics = model.bodies[int(body.label)].joint.mimics is not None
         letters = [*("q" * mimics), *("" if body.free else "Rpe"), *"mrI"]
         given.append(Part(body.title, [Equation(body.name(x), body.known[x].value) for x in letters]))
-    steps = [Step("Frames, coordinates and what is known", [WORDS["frames"]], (), given)]
+    steps = [Step("Frames, coordinates and what is known", [_words("frames")], (), given)]
 
     def work_out(title: str, words: str, rules: Rules, order: Sequence[_Body] = bodies, find: bool = True) -> None:
-        steps.append(Step(title, [WORDS[words]], laws(rules), sheet.work_out(order, rules, find)))
+        steps.append(Step(title, [_words(words)], laws(rules), sheet.work_out(order, rules, find)))
 
     work_out("Velocities, from the base outwards", "velocities", VELOCITIES)
     work_out("Accelerations, from the base outwards", "accelerations", ACCELERATIONS)
@@ -442,12 +456,12 @@ def _solution(
             (body.label, "6", ", ".join([*held, *along, *chain(*(chain(*x.values()) for x in carried))]) or "-")
         )
     rows.append(("together", str(model.n), str(sum(int(row[2]) for row in rows[1:])), "", ""))
-    steps.append(Step("Free bodies", [WORDS["free"]], laws(GRAVITY), free, rows))
+    steps.append(Step("Free bodies", [_words("free")], laws(GRAVITY), free, rows))
     work_out("Euler's laws of each body", "laws", LAWS, bodies, False)
     steps.append(_system(bodies, model, system))
     work_out("Elimination, from the tips to the base", "elimination", ELIMINATION, bodies[::-1])
     tau, alone, drives = _drives(bodies, model, beside)
-    words = [WORDS["drives"]]
+    words = [_words("drives")]
     if model.floating:
         words.append("Nothing holds the base: F_0 and M_0 vanish. These are the six equations of its motion.")
     i = _generic()
@@ -463,16 +477,16 @@ def _system(bodies: list[_Body], model: Model, rows: list[Any]) -> Step:
     parts = [f"{reactions} reactions + {joints} along the joints"] if joints else []
     parts += ["6 accelerations of the base"] if model.floating else []
     words = [
-        "The laws of all bodies together are a system of differential and algebraic equations (DAE). Its differential "
+        "The laws of all bodies are a system of differential and algebraic equations (DAE). Its differential "
         f"unknowns are the {model.n} coordinates, of which second derivatives stand in it. Its algebraic unknowns are "
         f"the {reactions} reactions, of which no derivative does.",
-        f"Where the motion is given: 6 x {count(n, 'body', 'bodies')} = {6 * n} equations = {' + '.join(parts)} unknown, "
-        "and the system is linear and algebraic. Where the drives are given, the accelerations are unknown in their place.",
+        f"Where the motion is given: 6 x {count(n, 'body', 'bodies')} = {6 * n} equations for {' + '.join(parts)}, "
+        "linear and algebraic. Where the drives are given, the accelerations are unknown in their place.",
     ]
     if followers:
         words.append(
-            f"{count(followers, 'joint')} that follow others: what acts along them is the force of the coupling, which the "
-            "drive of the joint that leads has to give."
+            f"{count(followers, 'joint')} that follow others: what acts along them is the force of the coupling, which "
+            "the drive of the joint that leads has to give."
         )
     head = ("laws of body", "equations", "unknowns in them")
     end = ("together", str(6 * n), f"{reactions} reactions, {joints} along joints")
@@ -507,7 +521,7 @@ def _drives(
 
 
 class _Collected(NamedTuple):
-    """M row by row and the shares of the bias by effect, as the recursion of `dynamics` makes them; M of bodies alone."""
+    """M row by row and the shares of the bias by effect, as the recursion makes them; M of bodies alone."""
 
     M: Array
     shares: dict[str, list[Scalar]]
@@ -744,7 +758,7 @@ def _written(lettered: Lettered, state: State | None, agreed: Sequence[str], wri
         place = len(found)
         last = f"Its tau and the drives of step {place - 1} {agreed[1]}; its M and that of step {place} {agreed[2]}."
         title = "The recursive order formulation"
-        found.append(Step(title, [WORDS["order"]], order.laws, [*order.parts, Part("Check", (), last)]))
+        found.append(Step(title, [_words("order")], order.laws, [*order.parts, Part("Check", (), last)]))
         for equation in _equations(found) if state is not None else ():
             _settle(equation)
         for array in _values(_equations(found), lambda value: value):
