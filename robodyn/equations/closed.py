@@ -231,7 +231,7 @@ class _Part:
         if letters:
             sources[LETTERS] = random.uniform(0.5, 1.5, (STATES, len(letters)))
             sources[LETTERS][: STATES // 2] = [letter.value for letter in letters]
-        numbers = NumpyBlocks(self._program, widths)(sources, STATES)
+        numbers = np.asarray(NumpyBlocks(self._program, widths)(sources, STATES), dtype=float)
         return [sources[source][:, k] for source, k in places], numbers
 
     def _check_length(self) -> None:

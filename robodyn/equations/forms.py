@@ -26,6 +26,8 @@ DIGITS = 10
 """Decimals of up to so many digits are written as fractions."""
 FACTORED = 10
 """Terms of a sum that is factored, if it can be."""
+ALIKE = 1e-13
+"""Coefficients that differ by a smaller share differ by rounding alone."""
 PRODUCTS = 500_000
 """Of terms, for M and for each effect: some seconds at most."""
 
@@ -333,18 +335,19 @@ def products(waves: Mapping[Wave, float]) -> dict[tuple[Wave, ...], float]:
     constant = left.pop(UNIT, 0.0)
     for (kind, angle), value in list(left.items()):
         half = tuple(x / 2 for x in angle)
-        if kind == "cos" and abs(value) <= abs(constant) and all(x.is_integer() for x in half):
+        if kind == "cos" and abs(value) <= (1.0 + ALIKE) * abs(constant) and all(x.is_integer() for x in half):
             del left[kind, angle]
             square = "cos" if value * constant > 0.0 else "sin"
             take(math.copysign(2.0 * value, constant), (square, half), (square, half))
-            constant -= math.copysign(value, constant)
+            rest = constant - math.copysign(value, constant)
+            constant = rest if abs(rest) > ALIKE * abs(constant) else 0.0
     if constant:
         take(constant)
     while left:
         (kind, angle), value = (first := next(iter(left))), left.pop(first)
         pairs = []
         for other, x in left.items():
-            if other[0] == kind and abs(x) == abs(value):
+            if other[0] == kind and math.isclose(abs(x), abs(value), rel_tol=ALIKE):
                 halves = [[y / 2 for y in combined_angles(angle, other[1], sign)] for sign in (1.0, -1.0)]
                 if all(y.is_integer() for half in halves for y in half):
                     pairs.append((sum(abs(y) for half in halves for y in half), other, halves))
@@ -353,14 +356,14 @@ def products(waves: Mapping[Wave, float]) -> dict[tuple[Wave, ...], float]:
             take(value, (kind, angle))
             continue
         _, other, (a, b) = min(pairs)
-        same = left.pop(other) == value
+        same = left.pop(other) * value > 0.0
         if kind == "cos":
             names, value = (("cos", "cos"), 2.0 * value) if same else (("sin", "sin"), -2.0 * value)
         else:
             names, value = (("sin", "cos") if same else ("cos", "sin")), 2.0 * value
         factors = []
-        for name, angle in zip(names, (a, b), strict=True):
-            turned, sign = upright(name, tuple(angle))
+        for name, half in zip(names, (tuple(a), tuple(b)), strict=True):
+            turned, sign = upright(name, half)
             factors.append((name, turned))
             value *= sign
         take(value, *factors)

@@ -26,7 +26,7 @@ from robodyn.programs.vectors import ZERO, Array, Scalar, skew
 from robodyn.robot.model import Model
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.solids.inertia.laws import Inertia
-from robodyn.support.wording import alternatives
+from robodyn.support.wording import alternatives, shown
 
 KINDS = ("m", "l", "c", "I", "g")
 """Masses; offsets of joints; mass centres; inertia matrices about them, in the axes of the link; gravity."""
@@ -221,7 +221,7 @@ class Lettered:
         given, values = set(positive), {letter.name: letter.value for letter in self.letters}
         for name in sorted(given):
             if name not in values:
-                raise InputError(f"no symbol {name}", remedy=alternatives(name, list(values), "symbols"))
+                raise InputError(f"no symbol {shown(name)}", remedy=alternatives(name, list(values), "symbols"))
             if values[name] <= 0.0:
                 raise InputError(f"{name} is {values[name]:g}, not positive", remedy="leave the assumption out")
         self.symbols = {

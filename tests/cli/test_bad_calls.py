@@ -205,11 +205,17 @@ CALLS: dict[str, str] = {
     f"fbd {SERVO}": "the scene needs columns of a trajectory: give --traj and --time (try: robodyn fbd --help)",
     "equations arm.urdf --format latex": "--format latex is for --form closed or dae (try: robodyn equations --help)",
     "equations arm.urdf --form closed --at 1,2": "--at is for numbers: --form ode or dae as text or json (try",
-    "equations arm.urdf --format c": "invalid value for '--format': 'c' is not one of 'text', 'latex', 'json'; robodyn "
-    "export --to c writes C (try: robodyn equations --help)",
+    "equations arm.urdf --format c": "invalid value for '--format': 'c' is not one of 'text', 'latex', 'json', 'python'"
+    "; robodyn export --to c writes C (try: robodyn equations --help)",
     "equations arm.urdf --tau 1,2": "--tau is for --form dae (try",
     "equations robots/composite.urdf": "robots/composite.urdf: nothing can move: the robot has no joint that moves",
-    "equations robots/rigid_body.urdf --form closed": "robots/rigid_body.urdf: a floating joint has no closed form",
+    "equations arm.urdf --format python": "--format python is for --form closed (try",
+    "equations arm.urdf --form dae --symbols": "--symbols is for --form closed (try",
+    "equations arm.urdf --assume 'l_1>0'": "--assume is for --symbols (try",
+    "equations robots/scara.urdf --symbols m,x": "no symbols 'x' (symbols: 'm', 'l', 'c', 'I', 'g')",
+    "equations robots/scara.urdf --symbols --assume 'l_1<0'": "no assumption 'l_1<0' (as in --assume 'l_1>0')",
+    "equations robots/scara.urdf --symbols --assume 'l_7>0'": "no symbol 'l_7' (",
+    "equations robots/puma.urdf --symbols --assume 'c_2y>0'": "c_2y is -0.016, not positive (leave the assumption out)",
     f"equations {SERVO}": "the scene's wrenches name columns of a trajectory: ",
     "linearize arm.urdf --qd 1,2 --equilibrium": "an equilibrium is at rest (leave out the speeds, or do not look for",
     "linearize robots/puma.urdf --scene tilt.toml --equilibrium": "there is no equilibrium: 5 N m at waist stay "

@@ -75,6 +75,26 @@ def test_latex():
     assert "M_{12} &= 0.4 + 0.5 c_{2} \\\\\n" in shown("equations", PLANAR, "--form", "closed", "--format", "latex")
 
 
+def test_letters_as_text_json_latex_and_python():
+    call = ("equations", PLANAR, "--symbols")
+    text = shown(*call)
+    assert "M[1,1] = m_1*c_1x^2 + m_2*(l_1^2 + c_2x^2) + 2*A_1*c_2\n" in text
+    assert "\nA_1 = m_2*l_1*c_2x\n" in text
+    assert "\nl_1    0.5   from the joint of upper_arm to the next, along x [m]\n" in text
+    found = document(*call)
+    assert found["constants"] == {"A_1": "c_2x*l_1*m_2"}
+    assert found["symbols"][1] == {"name": "m_2", "value": 2.5, "meaning": "mass of forearm [kg]"}
+    values = {letter["name"]: letter["value"] for letter in found["symbols"]}
+    M_12 = sympy.sympify(found["M"][0][1]).subs({"A_1": found["constants"]["A_1"]}).subs(values)
+    assert M_12.subs("q_2", 0) == pytest.approx(0.9, rel=1e-15)
+    assert "A_{1} &= m_{2} l_{1} c_{2x} \\\\\n" in shown(*call, "--format", "latex")
+    space = {}
+    exec(shown(*call, "--format", "python"), space)
+    assert space["torques"]([0, 0], [0, 0], [0, 1], g=0)[0] == pytest.approx(0.9, rel=1e-15)
+    some = shown("equations", PLANAR, "--symbols", "m,g", "--assume", "m_1 > 0")
+    assert "gravity[2] = 0.4*m_2*g*c_12\n" in some
+
+
 def dae(*call):
     return shown("equations", *call, "--form", "dae")
 

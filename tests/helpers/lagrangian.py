@@ -1,5 +1,5 @@
-"""Equations of motion by Lagrange's equations (those of Kirchhoff and Boltzmann for a base that moves), from a URDF whose
-numbers are replaced by letters here: homogeneous matrices and energies alone, none of the product's recursions."""
+"""Equations of motion by Lagrange's equations (those of Kirchhoff and Boltzmann for a base that moves), from a URDF
+whose numbers are replaced by letters here: homogeneous matrices and energies, none of the product's recursions."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def symbols(names):
 
 
 def letters_of(stem, values, alone=False):
-    """A vector in letters: none for a zero; one number needs no axis, if `alone`; minus in front of what is negative."""
+    """A vector in letters: none for a zero; one number needs no axis, if `alone`; minus before a negative length."""
     some = [k for k in range(3) if values[k]]
     names = [stem if alone and len(some) == 1 else stem + axis for axis in AXES]
     lengths = stem.startswith("l")

@@ -255,6 +255,13 @@ PIECES = {
     ("loads/test_largest_torque.py", "trajectory/derivatives/derive.py"): [
         ("weights[np.abs(values - surest) > bars + least] = 0.0", "weights[:] = weights")
     ],
+    ("equations/test_letters.py", "equations/letters.py"): [
+        ("about - (S @ S) * mass", "about + (S @ S) * mass"),
+        ("return (-1.0, index)", "return (1.0, index)"),
+    ],
+    ("equations/test_letters.py", "equations/forms.py"): [
+        ("take(math.copysign(2.0 * value, constant), (square", "take(math.copysign(value, constant), (square"),
+    ],
     ("equations/dae/test_closed_dae.py", "dynamics/loops/closure.py"): [
         ("2.0 * cross(to.w, v)", "cross(to.w, v)"),
         ("-1.0", "1.0"),

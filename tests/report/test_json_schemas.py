@@ -29,6 +29,7 @@ COMMANDS = (
     ("fbd", "fbd robots/scara.urdf --at 0.3,-0.5,0.05 --qdd elbow=2"),
     ("equations", "equations robots/puma560.urdf"),
     ("equations_closed", "equations robots/two_link_planar.urdf --form closed"),
+    ("equations_closed", "equations robots/rigid_body.urdf --symbols"),
     ("equations_dae", "equations robots/gripper.urdf --form dae"),
     ("linearize", "linearize robots/two_link_planar.urdf --equilibrium"),
     ("envelope", "envelope robots/puma560.urdf --payload flange --samples 100"),
