@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from robodyn.cli.files import check_names, robot_in_scene
-from robodyn.cli.options import AT, PATH, QD, SCENE, VALUES, Call, option, refuse_where, takes
+from robodyn.cli.options import AT, PATH, QD, SCENE, VALUES, Call, option, refuse_where, takes, together
 from robodyn.cli.screen import answer
 from robodyn.equations.closed import closed
 from robodyn.equations.dae.dae import dae
@@ -34,6 +34,23 @@ class _Format(click.Choice):  # type: ignore[type-arg,unused-ignore]
         return super().get_invalid_choice_message(value, ctx).rstrip(".") + other
 
 
+def letters_of(symbols: str | None, assume: tuple[str, ...]) -> tuple[tuple[str, ...], list[str]]:
+    """Return kinds of letters, and the names of those that are assumed to be positive."""
+    return tuple(kind.strip() for kind in (symbols or "").split(",") if kind.strip()), list(map(_positive, assume))
+
+
+SYMBOLS = together(
+    click.option(
+        "--symbols",
+        metavar="[KINDS]",
+        is_flag=False,
+        flag_value=",".join(KINDS),
+        help="Formulas in letters for masses m, lengths l, centres c, inertias I, gravity g; some, as m,l, or all.",
+    ),
+    option("--assume LETTER>0*", "A letter that is positive, which SymPy may use, as l_1>0. Repeatable."),
+)
+
+
 @click.command("equations", short_help="Derive the equations of motion in numbers, letters or LaTeX.")
 @click.argument("urdf", type=PATH)
 @takes(
@@ -43,14 +60,7 @@ class _Format(click.Choice):  # type: ignore[type-arg,unused-ignore]
         ("ode", "dae", "closed"),
         "equations",
     ),
-    click.option(
-        "--symbols",
-        metavar="[KINDS]",
-        is_flag=False,
-        flag_value=",".join(KINDS),
-        help="Closed form in letters for masses m, lengths l, centres c, inertias I, gravity g; some, as m,l, or all.",
-    ),
-    option("--assume LETTER>0*", "A letter that is positive, which SymPy may use, as l_1>0. Repeatable."),
+    SYMBOLS,
     AT,
     QD,
     option("--tau TAU", "Torques for --form dae, likewise; default none.", VALUES),
@@ -81,8 +91,7 @@ def command(
         (symbols is not None and equations != "closed", "--symbols is for --form closed"),
         (assume and symbols is None, "--assume is for --symbols"),
     )
-    kinds = tuple(kind.strip() for kind in (symbols or "").split(",") if kind.strip())
-    positive = [_positive(text) for text in assume]
+    kinds, positive = letters_of(symbols, assume)
     check_names()
     model, scene = robot_in_scene(call, urdf, loops=equations == "dae")
     found: Any

@@ -13,7 +13,18 @@ from click.core import ParameterSource
 
 from robodyn.cli import options
 from robodyn.cli.files import STANDARD_INPUT, check_names
-from robodyn.cli.options import PATH, POSITIVE, Call, Parsed, finite_numbers, option, refuse, takes, vector_type
+from robodyn.cli.options import (
+    PATH,
+    POSITIVE,
+    Call,
+    Parsed,
+    finite_numbers,
+    option,
+    refuse,
+    refuse_where,
+    takes,
+    vector_type,
+)
 from robodyn.cli.progress import counted
 from robodyn.cli.screen import answer, complain
 from robodyn.errors import InputError, MeshError
@@ -38,13 +49,22 @@ def _place(text: str) -> Pose:
     return rotation_from_rpy(roll, pitch, yaw), np.array(numbers[:3])
 
 
+def _names(text: str) -> tuple[str, ...]:
+    names = tuple(text.split(","))
+    if not all(names):
+        raise ValueError(f"{text!r} has a name that is empty; names stand between commas, such as a,b")
+    return names
+
+
 _LOOKUP = {"package_paths", "xacro_args", "trust_xacro"}
 _OF_ROBOTS = {"link", "at", "compare", "geometry", *_LOOKUP}
+_OF_ROBOTS |= {"qd", "links", "frame", "terms", "momentum", "symbols"}
 _VIEW = {"about", "rpy", "form", "file_type", "report", *_LOOKUP}
 _READING = {"geometry", "exact", "strict", "repair", "cavities"}
 _OF_SHAPES = {*_VIEW, *_READING, "link", "density", "mass"}
 _USES = {
-    "a whole robot": ("a URDF", {*_VIEW, "at"}),
+    "a whole robot": ("a URDF", {*_VIEW, "at", "qd", "links", "frame", "terms", "momentum"}),
+    "letters": ("a URDF with --symbols", {*_VIEW, "symbols", "links", "frame", "momentum"} - {"report"}),
     "a link as declared": ("a URDF with --link NAME", {*_VIEW, "link"}),
     "a link's shapes": ("a URDF with --link NAME --geometry visual", _OF_SHAPES),
     "--compare": ("a URDF with --compare", {*_READING, *_LOOKUP, "compare", "form", "file_type", "report"}),
@@ -74,12 +94,22 @@ _USES = {
     option("--place X,Y,Z[,R,P,Y]*", "For each mesh in turn, in m and rad.", Parsed("place", _place)),
     option("--link NAME", "One link, in its own frame."),
     options.AT,
+    option("--links A,B,C", "Some links as one body.", Parsed("links", _names)),
+    option("--frame LINK", "Whose frame; default base (or ground).", default="base"),
+    option("--terms", "Each link's share, by rotation law and parallel axis theorem."),
+    option("--momentum", "Linear momentum, and angular about the point, at --qd."),
+    options.QD,
+    option(
+        "--symbols KINDS", "In letters: m,l,c,I or all.", Parsed("symbols", _names), is_flag=False, flag_value="all"
+    ),
     option("--compare", "Declared inertias against the links' shapes."),
     option("--geometry", "Which shapes, also for --link.", ("visual", "collision")),
     options.DESCRIPTION,
     option("--about POINT", "com (default), origin or X,Y,Z.", options.POINT, default="com"),
     option("--rpy R,P,Y", "Turns the axes; rad.", vector_type("0,0,1.57"), default="0,0,0"),
-    option("--format", "Default text.", ("text", "json", "urdf"), "form", default="text"),
+    option(
+        "--format", "Default text; latex with --symbols.", ("text", "json", "urdf", "latex"), "form", default="text"
+    ),
     options.REPORT,
 )
 def command(
@@ -100,6 +130,11 @@ def command(
     combine: bool,
     place: tuple[Pose, ...],
     link: str | None,
+    links: tuple[str, ...] | None,
+    frame: str,
+    terms: bool,
+    momentum: bool,
+    symbols: tuple[str, ...] | None,
     compare: bool,
     geometry: Kind | None,
     about: Any,
@@ -113,28 +148,32 @@ def command(
       robodyn inertia link.stl --unit mm --density 2700 --format urdf
       robodyn inertia a.stl b.stl --combine --place 0,0,0 --place 0,0,0.1,0,0,1.57
       robodyn inertia robot.urdf --at 0.1,-0.5,0.3
-      robodyn inertia robot.urdf --at elbow=0.3 --about origin
+      robodyn inertia robot.urdf --at elbow=0.3 --links arm,hand --about origin --frame arm --terms
+      robodyn inertia robot.urdf --symbols --about origin --format latex
       robodyn inertia robot.urdf --link forearm --report forearm.html
       robodyn inertia robot.urdf --link forearm --geometry collision --density 2700 --format urdf
       robodyn inertia robot.urdf --compare --package-path ~/ros/src
     """
     check_names()
+    check_form(call, symbols is not None, momentum)
     view = View(about, rpy)
     if file_type == "urdf" or any(name.lower().endswith(options.ROBOT_SUFFIXES) for name in files):
-        from robodyn.cli.inertia_robot import compared, robot
+        from robodyn.cli.inertia_robot import compared, letters, robot
         from robodyn.robot.masses.shapes import How
 
-        how = How(exact=exact, repair=repair, strict=strict, cavities=cavities)
-        if compare or link is None:
-            check_use("--compare" if compare else "a whole robot")
-        else:
-            check_use("a link as declared" if geometry is None else "a link's shapes")
+        of_robot, of_link = ("a whole robot", "letters"), ("a link as declared", "a link's shapes")
+        use = of_robot[symbols is not None] if link is None else of_link[geometry is not None]
+        check_use("--compare" if compare else use)
         if len(files) > 1:
             refuse("a URDF stands alone: one robot at a time, and no meshes beside it")
+        how = How(exact=exact, repair=repair, strict=strict, cavities=cavities)
         if compare:
             return compared(call, files[0], geometry or "visual", how)
+        if symbols is not None:
+            return letters(call, files[0], view, symbols, links or (), frame, momentum)
         rho, m = one_each(density, files, "--density")[0], one_each(mass, files, "--mass")[0]
-        return robot(call, files[0], view, call.at or (), link, geometry, rho, m, how)
+        body = (link, geometry, rho, m, how, links or (), frame, terms, momentum)
+        return robot(call, files[0], view, call.at or (), *body)
     check_use("--combine" if combine else "meshes one by one")
     if combine or call.form == "urdf":
         symmetry, tessellation = symmetry or False, tessellation or False
@@ -188,6 +227,15 @@ def command(
     sections = combination_sections(together, view) if together else inertia_sections(parts, view)
     answer(call, sections, document if parts else None, json=json, urdf=urdf)
     return 2 if failed else 0
+
+
+def check_form(call: Call, in_letters: bool, momentum: bool) -> None:
+    """Refuse forms and velocities where they mean nothing."""
+    refuse_where(
+        (call.form == "latex" and not in_letters, "--format latex is for a URDF with --symbols"),
+        (call.form == "urdf" and in_letters, "--format urdf is for numbers, without --symbols"),
+        (call.qd and not momentum, "--qd is for --momentum"),
+    )
 
 
 def one_each(values: Sequence[T], files: Sequence[str], option: str) -> list[T | None]:

@@ -11,11 +11,21 @@ from robodyn.cli.files import robot_source
 from robodyn.cli.options import Call, refuse
 from robodyn.cli.progress import counted
 from robodyn.cli.screen import answer, complain
+from robodyn.equations.composite import in_letters, in_numbers
+from robodyn.equations.letters import KINDS
 from robodyn.errors import InputError
 from robodyn.report import inertia_pages as pages
-from robodyn.report.inertia import comparison_sections, link_sections, link_shapes_sections, robot_sections
+from robodyn.report.inertia import (
+    comparison_sections,
+    letters_sections,
+    link_sections,
+    link_shapes_sections,
+    robot_sections,
+)
+from robodyn.report.renderers.latex import composite_latex
+from robodyn.report.renderers.letters import text_of
 from robodyn.robot.load import load_description
-from robodyn.robot.masses.declared import LinkInertia, RobotInertia, link_inertia, robot_inertia
+from robodyn.robot.masses.declared import BASE, LinkInertia, RobotInertia, link_inertia, robot_inertia
 from robodyn.robot.masses.shapes import How, LinkShapes, Reading, compare, link_from_shapes
 from robodyn.robot.urdf.parts import Kind
 from robodyn.solids.inertia.properties import View, inertial_element
@@ -50,8 +60,12 @@ def robot(
     density: float | None,
     mass: float | None,
     how: How,
+    links: tuple[str, ...] = (),
+    frame: str = BASE,
+    terms: bool = False,
+    momentum: bool = False,
 ) -> int:
-    """Show a robot, a link as declared, or what a link's shapes make of it."""
+    """Show a robot or some of its links, a link as declared, or what a link's shapes make of it."""
     description = load_description(robot_source(file), **call.lookup)
     options = Options(package_path=description.search.package_paths)
     found: RobotInertia | LinkInertia | LinkShapes
@@ -68,9 +82,30 @@ def robot(
         document = partial(pages.link_page, found, description, view, checked)
         json = partial(pages.link_json, description.name, found, view, checked)
     else:
-        found, checked = robot_inertia(description, at), check_description(description, options)
-        sections = robot_sections(found, view, checked)
-        document = partial(pages.robot_page, found, description, view, checked)
-        json = partial(pages.robot_json, found, view, checked)
+        found, checked = (
+            robot_inertia(description, at, links, BASE if frame == "ground" else frame),
+            check_description(description, options),
+        )
+        shares = in_numbers(found, description, view, call.qd or ())
+        sections = robot_sections(found, view, checked, shares, terms, momentum)
+        document = partial(pages.robot_page, found, description, view, checked, shares, momentum)
+        json = partial(pages.robot_json, found, view, checked, shares, momentum)
     answer(call, sections, document, json=json, urdf=lambda: inertial_element(found.body) + "\n")
+    return 0
+
+
+def letters(
+    call: Call, file: str, view: View, kinds: tuple[str, ...], links: tuple[str, ...], frame: str, momentum: bool
+) -> int:
+    """Show the bodies of a robot in letters."""
+    description = load_description(robot_source(file), **call.lookup)
+    frame = BASE if frame == "ground" else frame
+    kinds = KINDS if kinds == ("all",) else kinds
+    found = in_letters(description, view, kinds, links, frame, momentum)
+    answer(
+        call,
+        letters_sections(description, found, view, frame, momentum, text_of),
+        json=lambda: pages.letters_json(description, found, view, frame, momentum, text_of),
+        latex=lambda: composite_latex(found, momentum),
+    )
     return 0

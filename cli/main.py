@@ -16,8 +16,9 @@ from robodyn.errors import RobodynWarning
 from robodyn.support.wording import alternatives
 
 COMMANDS = (
-    *("torques", "retime", "envelope", "size", "simulate", "inertia", "check", "fbd", "equations", "linearize"),
-    *("export", "excite", "identify", "scene", "info", "view", "diff", "convert", "accuracy", "rule", "doctor", "lsp"),
+    *("torques", "retime", "envelope", "size", "simulate", "inertia", "check", "fbd", "equations", "derive"),
+    *("linearize", "export", "excite", "identify", "scene", "info", "view", "diff", "convert", "accuracy", "rule"),
+    *("doctor", "lsp"),
 )
 
 

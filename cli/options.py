@@ -116,7 +116,7 @@ def option(declaration: str, text: str, kind: Any = None, name: str | None = Non
     flag, _, metavar = declaration.partition(" ")
     if metavar:
         how |= {"metavar": metavar.removesuffix("*"), "multiple": metavar.endswith("*")}
-    how |= {"is_flag": True if not metavar and kind is None else None, "help": text}
+    how = {"is_flag": True if not metavar and kind is None else None, "help": text} | how
     kind = click.Choice(kind) if isinstance(kind, (tuple, list)) else kind
     return click.option(flag, *([name] if name else []), type=kind, **how)
 

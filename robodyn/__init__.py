@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from robodyn.dynamics.inverse import coriolis_matrix as coriolis_matrix
     from robodyn.dynamics.inverse import inverse_dynamics as inverse_dynamics
     from robodyn.dynamics.inverse import mass_matrix as mass_matrix
+    from robodyn.dynamics.momenta import centre_of_mass as centre_of_mass
     from robodyn.dynamics.momenta import forward_kinematics as forward_kinematics
     from robodyn.dynamics.momenta import jacobian as jacobian
     from robodyn.dynamics.momenta import momenta as momenta
@@ -92,7 +93,7 @@ _HOMES = {
     "dynamics.forward": ("forward_dynamics",),
     "dynamics.function": ("function",),
     "dynamics.inverse": ("bias_forces", "coriolis_matrix", "inverse_dynamics", "mass_matrix"),
-    "dynamics.momenta": ("forward_kinematics", "jacobian", "momenta"),
+    "dynamics.momenta": ("centre_of_mass", "forward_kinematics", "jacobian", "momenta"),
     "dynamics.regressor": ("regressor",),
     "equations.dae.dae": ("dae",),
     "equations.export.export": ("export",),

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from decimal import Decimal
 from types import MappingProxyType
 from typing import Any, NamedTuple
@@ -140,8 +140,11 @@ class Forms:
     def __init__(self, symbols: Symbols, products: int) -> None:
         """Args: products: of terms that may be formed."""
         self._symbols, self._left = symbols, products
-        self._places: dict[Any, int] = {symbol: k for k, symbol in enumerate(symbols.values())}
-        self.generators: list[Any] = list(self._places)
+        sources: dict[Any, str] = {}
+        for (source, _), symbol in symbols.items():
+            sources.setdefault(symbol, source)
+        self._sources, self.generators = list(sources.values()), list(sources)
+        self._places = {symbol: k for k, symbol in enumerate(self.generators)}
 
     def outputs(self, program: Program) -> list[Polynomial]:
         """Raises TooLargeError where more products of terms would be formed than are allowed."""
@@ -156,9 +159,9 @@ class Forms:
         return [values[k] for k in program.outputs]
 
     def part(self, powers: Monomial, *sources: str) -> Monomial:
-        """Return the generators of a product that are symbols of these sources; of none, all others."""
-        of = [source for source, _ in self._symbols]
-        return tuple(k for k in powers if (of[k] if k < len(of) and of[k] != "q" else "") in (sources or ("",)))
+        """Return the generators of a product that are symbols of these sources; of none, all but rates and letters."""
+        of, apart = self._sources, ("qd", "qdd", LETTERS)
+        return tuple(k for k in powers if (of[k] if k < len(of) and of[k] in apart else "") in (sources or ("",)))
 
     def _operation(self, op: str, a: Polynomial, b: Polynomial | None = None) -> Polynomial:
         if b is None:
@@ -283,16 +286,30 @@ class Writer:
             terms.append(whole if mass is None else self._symbols[mass] * whole)
         return number(scale), self.monomial(common.elements()), sympy.Add(*terms)
 
-    def assembled(self, sums: Sums, names: Mapping[Any, Any] = MappingProxyType({})) -> Any:
-        """Return the SymPy expression; `names` are symbols for sums and products that are written once, elsewhere."""
+    def assembled(self, sums: Sums, names: Mapping[Any, Any] = MappingProxyType({}), gather: bool = False) -> Any:
+        """Return the SymPy expression; `names` are symbols for sums and products that are written once, elsewhere.
+        Gather what the terms of a product of rates have in common."""
         sympy = module()
         groups = []
         for rates, shapes in sums.items():
             terms = [
                 x * named(product, whole, names) * self.shape(shape) for shape, (x, product, whole) in shapes.items()
             ]
-            groups.append(self.monomial(rates) * sympy.Add(*terms))
+            groups.append(gathered(self.monomial(rates), terms) if gather else self.monomial(rates) * sympy.Add(*terms))
         return sympy.Add(*groups)
+
+
+def gathered(rates: Any, terms: Sequence[Any]) -> Any:
+    """Return rates times the sum of terms, with the factors that all have, and a minus that all have, before it."""
+    sympy, powers = module(), [term.as_coeff_Mul()[1].as_powers_dict() for term in terms]
+    common = sympy.Mul(*(
+        x ** min(each[x] for each in powers)
+        for x in powers[0]
+        if (x.is_Symbol or x.is_Add) and len(powers) > 1 and all(x in each for each in powers)
+    ))  # fmt: skip
+    parts = [part for term in terms for part in sympy.Add.make_args(term)]
+    sign = -1 if all(part.as_coeff_Mul()[0] < 0 for part in parts) else 1
+    return sympy.Mul(rates, sign, common, sympy.Add(*(term / (sign * common) for term in terms)))
 
 
 def named(product: Any, whole: Any, names: Mapping[Any, Any]) -> Any:
@@ -303,7 +320,7 @@ def named(product: Any, whole: Any, names: Mapping[Any, Any]) -> Any:
 def expression(forms: Forms, form: Polynomial) -> Any:
     """Return the SymPy expression of a form by itself."""
     writer = Writer(forms)
-    return writer.assembled(writer.sums(form))
+    return writer.assembled(writer.sums(form), gather=True)
 
 
 def products(waves: Mapping[Wave, float]) -> dict[tuple[Wave, ...], float]:

@@ -6,6 +6,7 @@ numbers of links that the same link carries in the same way, as the two arrays o
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -15,7 +16,7 @@ import numpy as np
 from robodyn.dynamics.effects.effect import Effect, Sample
 from robodyn.dynamics.plan import Plan, applied, at_rest, loads
 from robodyn.equations.forms import LETTERS as SOURCE
-from robodyn.equations.forms import PRODUCTS, Forms, expression, module
+from robodyn.equations.forms import PRODUCTS, Forms, TooLargeError, expression, module
 from robodyn.equations.ode import bias_plan
 from robodyn.errors import InputError
 from robodyn.programs.derivative import jacobian
@@ -79,17 +80,22 @@ class Letters:
         """Return the same model with inputs of the tape for its letters; its arrays are of objects."""
         bodies = []
         for i, body in enumerate(model.bodies):
-            mass, centre, p = (
-                self._scalar(self._masses[i], tape),
-                *(self._array(x[i], tape) for x in (self._centres, self._offsets)),
-            )
-            about = self._array(self._about[i], tape).reshape(3, 3)
+            (mass, centre, about), p = self.mass_properties(i, tape), self._array(self._offsets[i], tape)
             moment = centre * mass
             S = skew(centre)
             inertia = Inertia(mass, moment, about - (S @ S) * mass)
-            joint = replace(body.joint, p=p, R=_snapped(body.joint.R), axis=_snapped(body.joint.axis))
+            joint = replace(body.joint, p=p, R=snapped(body.joint.R), axis=snapped(body.joint.axis))
             bodies.append(replace(body, inertia=inertia, joint=joint))
         return replace(model, bodies=tuple(bodies))
+
+    def masses(self, tape: Tape) -> list[tuple[Scalar, Array, Array]]:
+        """Return of each body mass, mass centre, and inertia matrix about it, in the body's axes."""
+        return [self.mass_properties(i, tape) for i in range(len(self._masses))]
+
+    def mass_properties(self, i: int, tape: Tape) -> tuple[Scalar, Array, Array]:
+        """Return mass, mass centre and inertia matrix about it of body i, in its axes."""
+        centre, about = (self._array(x[i], tape) for x in (self._centres, self._about))
+        return self._scalar(self._masses[i], tape), centre, about.reshape(3, 3)
 
     def gravity(self, tape: Tape) -> Array:
         return self._array(self._gravity, tape)
@@ -177,7 +183,7 @@ class Letters:
         return out
 
 
-def _snapped(values: Any) -> Array:
+def snapped(values: Any) -> Array:
     """Return entries that rounding alone tells from 0, 1 or -1 as these."""
     nearest = np.round(np.asarray(values, dtype=float))
     close = np.abs(values - nearest) <= ROUNDING
@@ -237,17 +243,27 @@ class Lettered:
     def gravity(self, tape: Tape) -> Array:
         return self._letters.gravity(tape)
 
+    def masses(self, tape: Tape) -> list[tuple[Scalar, Array, Array]]:
+        return self._letters.masses(tape)
+
+    def mass_properties(self, i: int, tape: Tape) -> tuple[Scalar, Array, Array]:
+        return self._letters.mass_properties(i, tape)
+
     def program(self, outputs: Callable[[Tape, Sample], Iterable[Scalar]]) -> Program:
         """Return the program of scalars that are made of a sample."""
         return trace(lambda tape: outputs(tape, self.sample(tape)))
 
-    def written(self, program: Program, allowed: int = PRODUCTS) -> list[Any]:
+    def written(self, program: Program, allowed: int = PRODUCTS, longest: float = math.inf) -> list[Any]:
         """Return the outputs of a program as SymPy expressions, each by itself.
 
-        Raises: TooLargeError where more products of terms would be formed than are allowed.
+        Raises: TooLargeError where more products of terms would be formed than are allowed, or an output has more terms
+            than `longest`.
         """
         forms = Forms(self.symbols, allowed)
-        return [expression(forms, form) for form in forms.outputs(program)]
+        found = forms.outputs(program)
+        if max(map(len, found), default=0) > longest:
+            raise TooLargeError
+        return [expression(forms, form) for form in found]
 
     def mass(self, upper: bool = False) -> Program:
         """M, row by row, or of each row what is not left of the diagonal: the derivative of the torques by the

@@ -61,6 +61,15 @@ class Table:
 
 
 @dataclass(frozen=True)
+class Formula:
+    """Equations as lines of text and as rows of LaTeX's align; a page hides them below `folded`, a title, if given."""
+
+    lines: tuple[str, ...]
+    latex: tuple[str, ...]
+    folded: str = ""
+
+
+@dataclass(frozen=True)
 class Chart:
     """A plot: its caption, what it shows in words, and what the page's script draws (`charts.py`)."""
 
@@ -137,7 +146,7 @@ class Downloads:
     notes: tuple[str, ...] = ()
 
 
-Words = Heading | Paragraph | Facts | Table | Findings
+Words = Heading | Paragraph | Facts | Table | Findings | Formula
 """What text has."""
 Block = Words | Verdict | Bars | Chart | Gallery | Stage | Levels | Folded | Downloads
 Section = Sequence[Block]
@@ -241,6 +250,8 @@ def _block(block: Block, page: Page) -> str:
     if isinstance(block, Facts):
         wide = max((len(printable(what)) for what, _ in block.items), default=0)
         return "".join(_line(f"{printable(what):{wide}}  {figure}") for what, figure in block.items)
+    if isinstance(block, Formula):
+        return "".join(map(_line, block.lines))
     assert isinstance(block, Findings), "the others are for pages"
     return "".join(_line(title) for _, title, _ in block.items)
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import shlex
 from collections.abc import Iterator, Sequence
 from math import inf, isfinite
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from robodyn.report.document import Facts, Paragraph, Section, Table, paragraphs, remarks
+from robodyn.report.document import Facts, Heading, Paragraph, Section, Table, paragraphs, remarks
 from robodyn.report.table import is_noise, number, point_text, printable
 from robodyn.solids.inertia.properties import MassProperties, View
 from robodyn.solids.inertia.validity import Validity, validity
@@ -19,12 +19,16 @@ from robodyn.support.wording import count
 
 if TYPE_CHECKING:
     from robodyn.checks.check import Checked
+    from robodyn.equations.composite import Composite, Share
     from robodyn.robot.masses.declared import LinkInertia, RobotInertia
     from robodyn.robot.masses.shapes import Comparison, LinkShapes
+    from robodyn.robot.urdf.parts import Description
     from robodyn.solids.mass_properties import Combination
 
 
 AXES = ("x", "y", "z")
+ORDER = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
+"""Of the entries of a symmetric matrix."""
 _UNKNOWN = "an unknown amount (facets too coarse)"
 _MOST = 9
 """Planes and axes that are listed; of the others there is a count."""
@@ -142,19 +146,134 @@ def combination_sections(found: Combination, view: View) -> Iterator[Section]:
     yield [*remarks("repaired", repairs), *remarks("warning", [*warnings, *found.warnings])]
 
 
-def robot_sections(found: RobotInertia, view: View, checked: Checked) -> Iterator[Section]:
-    """Yield links by mass, the robot at its configuration in the frame of the base, and what a check says of it."""
-    placed = [link.placed for link in found.links]
+def robot_sections(
+    found: RobotInertia,
+    view: View,
+    checked: Checked,
+    shares: Composite,
+    terms: bool = False,
+    momentum: bool = False,
+) -> Iterator[Section]:
+    """Yield links by mass, the robot or some links at a configuration, shares term by term and momenta where these are
+    asked for, and what a check says of the robot."""
+    placed = [found.placed(link) for link in found.links]
     reach = max(float(np.abs(body.com).max()) for body in placed)
     at = ", ".join(f"{name} {value:.6g}" for name, value in found.at.items()) or "no joint moves"
-    what = f"{found.massive} of {found.count} links with mass, in the frame of the base"
-    yield paragraphs([f"{printable(found.file)}: robot '{printable(found.name)}', {what}", f"at {at}"])
+    what = f"{found.massive} of {count(found.count, 'link')} with mass, in the frame of {_frame(found.frame)}"
+    who = "links " + ", ".join(printable(link.name) for link in found.links) + ", " if found.composite else ""
+    yield paragraphs([f"{printable(found.file)}: robot '{printable(found.name)}', {who}{what}", f"at {at}"])
     slack = [f"{link.validity.slack:.3f}" for link in found.links]
     yield [_by_mass("link", [link.name for link in found.links], placed, found.body, reach, slack)]
     yield [amounts(found.body, reach)]
     yield from inertia_tables(found.body, view)
+    point, matrix = view.inertia(found.body)
+    scale = float(np.abs(matrix).max())
+    turn = _axes_of(view).T
+    away, places = turn @ (found.body.com - point), [number(x, reach) for x in turn @ point]
+    gone = np.vectorize(lambda x: is_noise(abs(x), scale))(matrix)
+    yield paragraphs(vanishing(gone, [is_noise(abs(x), reach) for x in away], places))
+    if terms:
+        yield [_terms(shares, view)]
+    if momentum:
+        yield [_momenta(shares, view)]
     verdicts = [_physical(validity(found.body), " as a whole"), _checked(checked)]
     yield [*paragraphs(verdicts), *remarks("warning", found.warnings)]
+
+
+def vanishing(zero: Any, through: Sequence[bool], places: Sequence[str]) -> list[str]:
+    """Return which axes are principal because products of inertia vanish, and the plane that would make it so.
+
+    Args:
+        zero: (3, 3) which entries of the matrix are 0; through: whether the mass centre lies in the plane through the
+            point that is normal to x, y, z, at these places.
+    """
+    lines = []
+    for k, axis in enumerate(AXES):
+        others = [AXES[min(j, k)] + AXES[max(j, k)] for j in range(3) if j != k]
+        if all(zero[k][j] for j in range(3) if j != k):
+            what = f"I_{others[0]} = I_{others[1]} = 0: {axis} is a principal axis"
+            if through[k]:
+                lines.append(f"{what}, as a plane of symmetry {axis} = {places[k]} would make it")
+            else:
+                lines.append(f"{what}, but by no plane of symmetry: the mass centre is not at {axis} = {places[k]}")
+    return lines
+
+
+def letters_sections(
+    description: Description, found: Composite, view: View, frame: str, momentum: bool, write: Any
+) -> Iterator[Section]:
+    """Yield what bodies in letters make together, and each by itself; `write` writes an expression."""
+    bodies, whole = ", ".join(printable(body.name) for body in found.bodies), found.whole
+    what = f"{printable(description.file)}: robot '{printable(description.name)}', bodies {bodies}, in the frame of"
+    legend = [f"q_{k}: joint {printable(joint)}" for k, joint in found.joints]
+    legend = [", ".join([*legend, "c_1 = cos q_1, s_12 = sin(q_1 + q_2)"])] if legend else []
+    yield paragraphs([f"{what} {_frame(frame)}", *legend])
+    rows = [(letter.name, f"{letter.value:.6g}", letter.meaning) for letter in found.letters]
+    if rows:
+        yield [Table("Letters", ("", "value", ""), rows)]
+    yield [Heading("Mass and mass centre"), *paragraphs([f"m = {write(whole.m)}", *_entries("c", whole.c, write)])]
+    turn = _axes_of(view).T
+    through = [x == 0 or x.simplify() == 0 for x in turn @ (whole.c - found.point)]
+    gone = vanishing(whole.inertia == 0, through, [write(x + 0) for x in turn @ found.point])
+    yield [Heading(f"Inertia {view.words}"), *paragraphs([*_entries("I", whole.inertia, write), *gone])]
+    if momentum:
+        lines = [*_entries("P", whole.P, write), *_entries("L", whole.L, write)]
+        yield [Heading(f"Linear momentum, and angular {view.words}"), *paragraphs(lines)]
+    for body in found.bodies if len(found.bodies) > 1 else ():
+        terms = [*_terms_of(body), *((("P", body.P), ("L", body.L)) if momentum else ())]
+        lines = [f"{name}: {', '.join(_entries('', values, write, short=True)) or '0'}" for name, values in terms]
+        yield [Heading(f"Share of {printable(body.name)}"), *paragraphs(lines)]
+
+
+def _axes_of(view: View) -> Any:
+    from robodyn.programs.vectors import rotation_from_rpy
+
+    return rotation_from_rpy(*view.rpy).round(15) + 0.0 if any(view.rpy) else np.eye(3, dtype=int)
+
+
+def _frame(name: str) -> str:
+    return "the base" if name == "base" else printable(name)
+
+
+def _terms_of(share: Share) -> list[tuple[str, Any]]:
+    own = [] if share.own is None else [("I_c, own axes", share.own)]
+    rest = [("R I_c R^T", share.turned), ("m (|d|^2 1 - d d^T)", share.moved), ("sum", share.inertia)]
+    return [*own, *rest]
+
+
+def _entries(name: str, values: Any, write: Any, short: bool = False) -> list[str]:
+    """Return the entries of a vector or a symmetric matrix as equations, or in short those that are not zero."""
+    if np.ndim(values) == 1:
+        entries = {AXES[i]: values[i] for i in range(3)}
+    else:
+        entries = {AXES[i] + AXES[j]: values[i, j] for i, j in ORDER}
+    index = "{}" if short else f"{name}_{{}}"
+    return [f"{index.format(key)} = {write(x)}" for key, x in entries.items() if not short or x != 0]
+
+
+def _terms(found: Composite, view: View) -> Table:
+    rows = []
+    scale = float(np.abs(found.whole.inertia).max())
+    for share in (*found.bodies, found.whole):
+        for what, matrix in _terms_of(share):
+            rows.append((printable(share.name), what, *(number(float(matrix[at]), scale) for at in ORDER)))
+    head = ("link", "term", *(AXES[i] + AXES[j] for i, j in ORDER))
+    note = "R turns the link's axes into those asked for; d leads from the point to the link's mass centre"
+    return Table(f"Shares of the inertia {view.words} [kg m^2]", head, rows, note)
+
+
+def _momenta(found: Composite, view: View) -> Table:
+    shares = (*found.bodies, found.whole)
+    scales = [max(float(np.abs(getattr(share, name)).max()) for share in shares) for name in "PL"]
+    rows = [
+        (
+            printable(share.name),
+            *(number(float(x), scale) for p, scale in zip((share.P, share.L), scales, strict=True) for x in p),
+        )
+        for share in shares
+    ]
+    head = ("link", *(f"P_{axis} [kg m/s]" for axis in AXES), *(f"L_{axis} [kg m^2/s]" for axis in AXES))
+    return Table(f"Linear momentum, and angular {view.words}; relative to the ground", head, rows)
 
 
 def _by_mass(

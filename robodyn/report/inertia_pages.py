@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
@@ -21,6 +21,7 @@ from robodyn.support.wording import count
 
 if TYPE_CHECKING:
     from robodyn.checks.check import Checked
+    from robodyn.equations.composite import Composite, Share
     from robodyn.robot.masses.declared import LinkInertia, RobotInertia
     from robodyn.robot.masses.shapes import Comparison, LinkShapes
     from robodyn.robot.urdf.parts import Description, Kind
@@ -48,15 +49,57 @@ def combination_json(found: Combination, view: View) -> str:
     return doc.written({"meshes": meshes, "combined": {**body_data(found.body, view), **places}})
 
 
-def robot_json(found: RobotInertia, view: View, checked: Checked) -> str:
-    """Return the robot as one body in the frame of its base, every link with an <inertial>, and what a check says."""
+def robot_json(found: RobotInertia, view: View, checked: Checked, shares: Composite, momentum: bool = False) -> str:
+    """Return the robot, or some links, as one body in a frame, every link with an <inertial>, its share term by term,
+    and what a check says."""
     from robodyn.report.check import check_data
 
-    links = [{**_declared_json(link), "pose": _pose(link.pose), "com_in_base": link.placed.com} for link in found.links]
+    links = []
+    for link, share in zip(found.links, shares.bodies, strict=True):
+        own = {"pose": _pose(link.pose), "com_in_base": link.placed.com, "share": _share(share, momentum)}
+        links.append({**_declared_json(link), **own})
     rest = {"validity": _validity(validity(found.body)), "check": check_data(checked), "links": links}
     keys = "validity check links_with_mass:massive links warnings"
     whole = body_data(found.body, view)
-    return doc.written({**doc.select(found, "robot:name file at"), **whole, **doc.select(found, keys, **rest)})
+    if momentum:
+        whole["momentum"] = _momentum(shares.whole)
+    return doc.written({**doc.select(found, "robot:name file at frame"), **whole, **doc.select(found, keys, **rest)})
+
+
+def letters_json(
+    description: Description, found: Composite, view: View, frame: str, momentum: bool, write: Callable[[Any], str]
+) -> str:
+    """Return bodies as one in letters: expressions as texts, `symbols` with value and meaning of each letter."""
+
+    def texts(values: Any) -> Any:
+        return [texts(x) for x in values] if isinstance(values, np.ndarray) else write(values)
+
+    of = doc.select(description, "robot:name file") | {"frame": frame}
+    symbols = [doc.select(letter, "name value meaning") for letter in found.letters]
+    whole = found.whole
+    data = {"mass": write(whole.m), "com": texts(whole.c)}
+    data["inertia_about"] = {"point": texts(found.point), "matrix": texts(whole.inertia)}
+    if momentum:
+        data["momentum"] = _momentum(whole, texts)
+    links = [
+        {"body": body.name, "mass": write(body.m), "com": texts(body.c), "share": _share(body, momentum, texts)}
+        for body in found.bodies
+    ]
+    return doc.written({**of, "symbols": symbols, **data, "bodies": links})
+
+
+def _share(share: Share, momentum: bool, texts: Callable[[Any], Any] = doc.encode) -> dict[str, Any]:
+    parts = {"own": share.own, "turned": share.turned, "parallel_axis": share.moved, "sum": share.inertia}
+    out = {name: texts(_floats(x, texts)) for name, x in parts.items()}
+    return {**out, **({"momentum": _momentum(share, texts)} if momentum else {})}
+
+
+def _momentum(share: Share, texts: Callable[[Any], Any] = doc.encode) -> dict[str, Any]:
+    return {"linear": texts(_floats(share.P, texts)), "angular": texts(_floats(share.L, texts))}
+
+
+def _floats(values: Any, texts: Callable[[Any], Any]) -> Any:
+    return np.asarray(values, dtype=float) if texts is doc.encode else values
 
 
 def link_json(robot: str, found: LinkInertia, view: View, checked: Checked) -> str:
@@ -177,15 +220,24 @@ def combination_page(found: Combination, view: View, shapes: Sequence[Array | No
 
 
 def robot_page(
-    found: RobotInertia, description: Description, view: View, checked: Checked, pictures: bool
+    found: RobotInertia,
+    description: Description,
+    view: View,
+    checked: Checked,
+    shares: Composite,
+    momentum: bool,
+    pictures: bool,
 ) -> doc.Document:
-    """Return the whole robot, its joints locked."""
+    """Return the robot, or some links, the joints locked."""
     first: list[doc.Block] = [_possible(found.body, found.warnings, checked)]
     if pictures:
         caption = "The robot at this configuration: mass centres, and ellipsoids of the same masses and inertias"
-        first += _robot(description, caption, found.at, found.body)
-    what = f"Mass properties of the whole robot, {found.massive} of {found.count} links with mass"
-    return _page(found.name, what, first, words.robot_sections(found, view, checked), robot_json(found, view, checked))
+        chosen = [link.name for link in found.links] if found.composite else []
+        first += _robot(description, caption, found.at, found.body.placed(*found.frame_pose), chosen)
+    who = "some links" if found.composite else "the whole robot"
+    what = f"Mass properties of {who}, {found.massive} of {count(found.count, 'link')} with mass"
+    sections = words.robot_sections(found, view, checked, shares, True, momentum)
+    return _page(found.name, what, first, sections, robot_json(found, view, checked, shares, momentum))
 
 
 def link_page(

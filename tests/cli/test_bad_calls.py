@@ -66,7 +66,7 @@ CALLS: dict[str, str] = {
     # commands and options
     "torqes": "there is no command 'torqes'; did you mean 'torques'? (try: robodyn --help)",
     "zebra": "there is no command 'zebra'; commands: 'torques', 'retime', 'envelope', 'size', 'simulate', 'inertia', "
-    "'check', 'fbd', ... (22 in all) (try: robodyn --help)",
+    "'check', 'fbd', ... (23 in all) (try: robodyn --help)",
     "--verson": "no such option '--verson'; did you mean '--version'? (try: robodyn --help)",
     "torques": "missing argument 'URDF' (try: robodyn torques --help)",
     "torques arm.urdf arm.csv --gravty 0,0,0": "no such option '--gravty'; did you mean '--gravity'? (try: robodyn tor",
@@ -122,7 +122,7 @@ CALLS: dict[str, str] = {
         for vector in ("1,2", "nan,0,0", "1e400,0,0", "", "1_0,0,0", "0 0 9")
     },
     "torques arm.urdf arm.csv --gravity 0,0,1e308": "arm.csv: row 1: base_fx overflows",
-    "inertia part.stl --about tool0": POINT.format("tool0") + "; --link takes the name of a link (",
+    "inertia part.stl --about tool0": POINT.format("tool0") + "; --frame takes the name of a link; --link takes",
     "torques arm.urdf arm.csv --momentum --about fore": POINT.format("fore") + "; --frame takes the name of a link (",
     "torques arm.urdf arm.csv --momentum --frame bse": "arm.urdf: no frame 'bse' (did you mean 'base'?)",
     "inertia part.stl --rpy 1,2": "invalid value for '--rpy': '1,2' is not three finite numbers between commas, such "

@@ -58,6 +58,7 @@ NEEDS = {
     "inertia meshes/bracket.stl --report {out}/part.html": "report",
     "check scara.urdf --report {out}/check.html": "report",
     "equations two_link_planar.urdf --form closed": "symbolic",
+    "derive two_link_planar.urdf": "symbolic",
     "view scara.urdf": "report",
     "lsp": "lsp",
     "accuracy meshes/hub.stl --report {out}/front.html": "report",

@@ -29,6 +29,7 @@ COMMANDS = {
     "compare": ("inertia", "ROBOT", "--compare"),
     "fbd": ("fbd", "ROBOT", "--at", "0.1,0.2"),
     "equations": ("equations", "ROBOT", "--at", "0.1,0.2"),
+    "derive": ("derive", "ROBOT", "--at", "0.1,0.2"),
     "linearize": ("linearize", "ROBOT", "--at", "0.1,0.2"),
     "envelope": ("envelope", "ROBOT"),
     "excite": ("excite", "ROBOT", "--joints", "shoulder"),

@@ -25,6 +25,7 @@ ARGUMENTS = {
     "check": ["arm.urdf"],
     "fbd": ["arm.urdf"],
     "equations": ["arm.urdf"],
+    "derive": ["arm.urdf"],
     "envelope": ["arm.urdf"],
     "linearize": ["arm.urdf"],
     "export": ["arm.urdf", "--to", "c"],

@@ -335,6 +335,12 @@ PIECES = {
         ("(op, a, b)", "(op, a)"),
         ("-(self * -other)", "self * -other"),
     ],
+    ("equations/test_derive.py", "equations/derive.py"): [
+        ("times(TWO, b.R.T, j.w)", "times(b.R.T, j.w)"),
+        ("across(k.p - self.r, times(k.R, k.F))", "across(k.p, times(k.R, k.F))"),
+        ('"Hd": lambda b, j: [times(b.I, b.wd), across(b.w, b.H)]', '"Hd": lambda b, j: [times(b.I, b.wd)]'),
+        ("X[i] = X[i] - X[j] * x", "X[i] = X[i] + X[j] * x"),
+    ],
     ("equations/linearized/test_linearize.py", "equations/linearized/linearize.py"): [
         ("given.dq + np.diag(robot.drives.kp)", "given.dq"),
         ("given.dqd + np.diag(robot.drives.kd)", "given.dqd"),

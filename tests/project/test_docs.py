@@ -65,6 +65,7 @@ LONG = (
     *("identify", "feet_on_the_ground", "reports", "many_trajectories", "measured_logs", "export", "first_torques"),
     *("closed_chains", "uncertainty", "lint_in_ci", "linearize", "excite", "retime", "motor_sizing", "weighing_a_part"),
     *("mass_properties", "check_descriptions", "derivatives", "README", "other_formats", "glance"),
+    *("free_bodies", "recursive", "systems"),
 )
 """Pages whose examples compute for seconds."""
 
@@ -75,9 +76,13 @@ def having(*languages: str) -> list[str]:
 
 
 @cache
-def generated_pages() -> ModuleType:
+def beside_the_pages(name: str) -> ModuleType:
     sys.path.insert(0, str(ROOT / "docs"))
-    return import_module("generated_pages")
+    return import_module(name)
+
+
+def generated_pages() -> ModuleType:
+    return beside_the_pages("generated_pages")
 
 
 @cache
@@ -117,6 +122,19 @@ def test_every_block_shows_something():
         for command in commands(block):
             silent = silent.replace(command, "", 1)
         assert silent.strip(), block
+
+
+def test_pictures_of_the_course_are_what_is_drawn_and_all_shown():
+    drawn, folder = beside_the_pages("make_course_pictures").pictures(), ROOT / "docs/course/pictures"
+    assert {path.name for path in folder.iterdir()} == drawn.keys()
+    text = "".join(page for name, page in PAGES.items() if name.startswith("docs/course/"))
+    for name, picture in drawn.items():
+        assert f"](pictures/{name})" in text
+        words = [re.split(r"[\s\"<>ML,]+", each) for each in ((folder / name).read_text(encoding="utf-8"), picture)]
+        assert len(words[0]) == len(words[1]), f"{name}: run python docs/make_course_pictures.py"
+        for one, other in zip(*words, strict=True):  # a tenth of a pixel may be rounded up or down
+            number = re.fullmatch(r"-?\d+\.\d", one) and re.fullmatch(r"-?\d+\.\d", other)
+            assert abs(float(one) - float(other)) < 0.15 if number else one == other, f"{name}: {one}, {other}"
 
 
 def test_every_block_of_commands_is_run():

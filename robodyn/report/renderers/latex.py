@@ -7,10 +7,12 @@ from collections.abc import Sequence
 from typing import Any
 
 from robodyn.equations.closed import Closed
+from robodyn.equations.composite import Composite
 from robodyn.equations.dae.dae import Dae
 from robodyn.equations.forms import module
 from robodyn.report.dae import laws
 from robodyn.report.equations import checked
+from robodyn.report.inertia import ORDER
 from robodyn.report.renderers.letters import Latex, latex_of
 from robodyn.report.table import printable
 from robodyn.support.wording import count
@@ -59,6 +61,25 @@ def closed_latex(closed: Closed) -> str:
         "and so on, $M_{ij} = M_{ji}$, and\n"
         + _aligned_lines([f"{name} &= {_broken(entry.xreplace(numbered))}" for name, entry in lines.items()])
     )
+
+
+def composite_latex(found: Composite, momentum: bool) -> str:
+    """Return mass, mass centre, inertia matrix and momenta of bodies in letters, and each body's shares of the matrix:
+    equations for amsmath, one a line."""
+    whole, axes = found.whole, "xyz"
+
+    def entries(name: str, values: Any) -> list[str]:
+        places = ORDER if values.ndim == 2 else tuple((k,) for k in range(3))
+        return [f"{name}_{{{''.join(axes[k] for k in at)}}} &= {latex_of(values[at])}" for at in places]
+
+    lines = [f"m &= {latex_of(whole.m)}", *entries("c", whole.c), *entries("I", whole.inertia)]
+    if momentum:
+        lines += [*entries("P", whole.P), *entries("L", whole.L)]
+    for body in found.bodies if len(found.bodies) > 1 else ():
+        mark = rf"\text{{{escaped(body.name)}}}"
+        lines += entries(rf"(R I_c R^T)^{{{mark}}}", body.turned)
+        lines += entries(rf"m(|d|^2 1 - d d^T)^{{{mark}}}", body.moved)
+    return "\\begin{align*}\n" + " \\\\\n".join(lines) + "\n\\end{align*}\n"
 
 
 def _part(effect: str, index: str) -> str:

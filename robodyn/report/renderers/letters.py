@@ -13,6 +13,7 @@ from typing import Any
 _RATES = ("qd", "qdd", "w", "wd", "v", "a")
 _LETTERS = ("A", "m", "l", "c", "I", "g")
 _HEADS = {"qd": r"\dot{q}", "qdd": r"\ddot{q}", "w": r"\omega", "wd": r"\dot{\omega}"}
+_HEADS |= {"Pd": r"\dot{P}", "Hd": r"\dot{H}", "Vd": r"\dot{V}", "tau": r"\tau", "Gamma": r"\Gamma", "Phi": r"\Phi"}
 
 
 class Text:
@@ -102,7 +103,8 @@ class Latex(Text):
 
     def symbol(self, name: str) -> str:
         head, _, index = name.partition("_")
-        return self.indexed(_HEADS.get(head, head), index.replace("_", ",")) if index else name
+        letter = _HEADS.get(head, head)
+        return self.indexed(letter, index.replace("_", ",")) if index else letter
 
     def number(self, value: Any) -> str:
         mantissa, _, exponent = super().number(value).partition("e")

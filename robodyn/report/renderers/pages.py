@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from robodyn.report import document as doc
+from robodyn.report.renderers.mathml import mathml
 from robodyn.report.table import numeric_columns, printable
 from robodyn.support.extras import need
 from robodyn.support.floats import Floats
@@ -42,9 +43,19 @@ def html(document: doc.Document) -> str:
     def data(file: doc.Download) -> str:
         return f"data:{file.kind};charset=utf-8;base64,{base64.b64encode(file.text.encode()).decode()}"
 
+    def formula(block: doc.Formula) -> Markup:
+        return Markup(mathml(block.latex))
+
     strict: dict[str, Any] = {"autoescape": True, "undefined": StrictUndefined}
     room = Environment(loader=FileSystemLoader(_ASSETS), trim_blocks=True, lstrip_blocks=True, **strict)
-    room.filters |= {"words": printable, "name": name, "unit": unit, "code": doc.code_lines, "data": data}
+    room.filters |= {
+        "words": printable,
+        "name": name,
+        "unit": unit,
+        "code": doc.code_lines,
+        "data": data,
+        "mathml": formula,
+    }
     room.tests["block"] = lambda block, name: type(block).__name__ == name
     shown = [
         part for block in document.blocks for part in (block.figures if isinstance(block, doc.Gallery) else [block])
@@ -160,6 +171,8 @@ def _block(block: doc.Block) -> str:  # noqa: PLR0911
         return "\n".join(
             [f"**{escaped(block.caption)}**", "", *(f"- {escaped(name)}: {escaped(words)}" for name, words in said)]
         )
+    if isinstance(block, doc.Formula):
+        return "```\n" + "\n".join(block.lines) + "\n```"
     if not isinstance(block, doc.Table):
         return ""
     rule = ["---:" if right else "---" for right in numeric_columns(block.head, block.rows)]

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from robodyn.errors import InputError
-from robodyn.programs.vectors import IDENTITY, ZERO
+from robodyn.programs.vectors import IDENTITY, ZERO, narrowed
 from robodyn.robot.kinematics import Pose, Values, beyond_limits, configuration, coordinates, link_poses
 from robodyn.robot.load import assemble, placement
+from robodyn.robot.model import Model
 from robodyn.robot.urdf.description import link_named
 from robodyn.robot.urdf.parts import Description, Link
 from robodyn.solids.inertia.laws import symmetric
 from robodyn.solids.inertia.properties import MassProperties, composite, from_inertia
 from robodyn.solids.inertia.validity import Validity, validity
-from robodyn.support.wording import shown
+from robodyn.support.wording import alternatives, shown
+
+BASE = "base"
+_BASE_POSE = Pose(IDENTITY, ZERO)
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,11 +50,13 @@ class LinkInertia:
 
 @dataclass(frozen=True, eq=False)
 class RobotInertia:
-    """The robot as one rigid body, in the frame of the base, its joints locked.
+    """The robot, or some links, as one rigid body in a frame, the joints locked.
 
     Attributes:
         at: values of the coordinates [rad or m]; warnings: faults of links, and coordinates beyond their limits.
         links: those with an <inertial>, in the order of the file; massive, count: how many have mass, and of how many.
+        frame: of `body`, a link or `BASE` where no link has this name; frame_pose: in the frame of the base.
+        composite: whether links were chosen.
     """
 
     name: str
@@ -61,6 +67,13 @@ class RobotInertia:
     count: int
     body: MassProperties
     warnings: tuple[str, ...]
+    frame: str = BASE
+    frame_pose: Pose = _BASE_POSE
+    composite: bool = False
+
+    def placed(self, link: LinkInertia) -> MassProperties:
+        """The body of a link in the frame."""
+        return link.body.placed(*_in_frame(self.frame_pose, link.pose))
 
 
 def declared(link: Link, pose: Pose | None = None) -> LinkInertia | None:
@@ -69,7 +82,7 @@ def declared(link: Link, pose: Pose | None = None) -> LinkInertia | None:
     if inertial is None:
         return None
     body = from_inertia(inertial.mass, ZERO, symmetric(inertial.inertia)).placed(*placement(inertial.origin))
-    return LinkInertia(link.name, link.line, body, validity(body), pose or Pose(IDENTITY, ZERO))
+    return LinkInertia(link.name, link.line, body, validity(body), pose or _BASE_POSE)
 
 
 def link_inertia(description: Description, name: str) -> LinkInertia:
@@ -82,25 +95,47 @@ def link_inertia(description: Description, name: str) -> LinkInertia:
     return found
 
 
-def robot_inertia(description: Description, at: Values = ()) -> RobotInertia:
-    """Return all links as one rigid body in the frame of the base: the composite of their bodies at their poses.
+def robot_inertia(
+    description: Description, at: Values = (), links: Sequence[str] = (), frame: str = BASE
+) -> RobotInertia:
+    """Return all links, or some, as one rigid body in the frame of the base or of a link: the composite of their bodies
+    at their poses.
 
     Method: forward kinematics in floats, then the laws in fractions (see `composite`). Links that no body could be are
     added as declared, with a warning. `at`: values of all coordinates, or of some by name [rad or m]; the others are 0.
+
+    Raises: InputError: a link or joint that is none, or no mass.
 
     Accuracy: mass correctly rounded; centre of mass and inertia within 1e-14 of the robot's size and largest moment for
         twenty joints in a row.
     """
     model = assemble(description)
     q = configuration(model, at)
-    where = link_poses(model, q)
-    found = (declared(link, where[link.name]) for link in description.links if link.name in where)
-    links = tuple(link for link in found if link is not None)
-    if not description.massive:
-        raise InputError("the robot has no mass", remedy="give links an <inertial>", file=description.file)
-    body = composite((link.body, link.pose) for link in links)
+    where, chosen = link_poses(model, q), named_links(model, links) or tuple(model.links)
+    stand = _BASE_POSE if frame == BASE not in where else where[named_links(model, [frame])[0]]
+    found = (declared(link, where[link.name]) for link in description.links if link.name in chosen)
+    bodies = tuple(link for link in found if link is not None)
+    massive = sum(link.name in chosen for link in description.massive)
+    if not massive:
+        what = "the links have no mass" if links else "the robot has no mass"
+        raise InputError(what, remedy="give links an <inertial>", file=description.file)
+    body = composite((link.body, _in_frame(stand, link.pose)) for link in bodies)
     values = dict(zip(model.coordinates, q.tolist(), strict=True))
     given = {name: values[name] for name in coordinates(model)}
-    warnings = (*(warning for link in links for warning in link.warnings), *beyond_limits(model, q))
-    massive, count = len(description.massive), len(description.links)
-    return RobotInertia(description.name, description.file, given, links, massive, count, body, warnings)
+    warnings = (*(warning for link in bodies for warning in link.warnings), *beyond_limits(model, q))
+    count = len(chosen) if links else len(description.links)
+    rest = (massive, count, body, warnings, frame, stand, bool(links))
+    return RobotInertia(description.name, description.file, given, bodies, *rest)
+
+
+def named_links(model: Model, names: Sequence[str]) -> tuple[str, ...]:
+    """Return the names of links, each once; InputError of one that is none."""
+    for name in names:
+        if name not in model.links:
+            remedy = alternatives(name, list(model.links), "links")
+            raise InputError(f"there is no link {shown(name)}", remedy=remedy, file=model.file)
+    return tuple(dict.fromkeys(names))
+
+
+def _in_frame(frame: Pose, pose: Pose) -> Pose:
+    return pose if frame is _BASE_POSE else Pose(*map(narrowed, frame.inverse.after(pose)))
