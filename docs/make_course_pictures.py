@@ -461,11 +461,11 @@ def free_bodies() -> dict[str, str]:
 
 PICTURES: dict[str, Callable[[], str]] = {
     "two_link_planar": lambda: frames("two_link_planar", [pi / 6, pi / 3], SIDE, 460, 330),
-    "two_link_spatial": lambda: frames("two_link_spatial", [0.5, 0.5], ISOMETRIC, 460, 380),
-    "scara": lambda: frames("scara", [0.4, 0.6, 0.08], ISOMETRIC, 520, 400),
+    "two_link_spatial": lambda: frames("two_link_spatial", [-0.5, 0.6], ISOMETRIC, 460, 380),
+    "scara": lambda: frames("scara", [-0.5, 1.4, 0.12], ISOMETRIC, 520, 400),
     "cylindrical": lambda: frames("cylindrical", [0.4, 0.1, 0.2, 0.1], ISOMETRIC, 520, 420),
     "puma": lambda: frames("puma", [0.3, -0.5, 0.6], ISOMETRIC, 520, 420),
-    "satellite": lambda: frames("satellite", [0.6, 0.2], ISOMETRIC, 560, 400),
+    "satellite": lambda: frames("satellite", [1.0, -0.5], ISOMETRIC, 560, 400),
     "arm_momenta": arm_momenta,
     "products_of_inertia": products_of_inertia,
     "parallel_axes": parallel_axes,

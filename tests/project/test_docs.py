@@ -141,7 +141,7 @@ def test_every_block_of_commands_is_run():
     """There is no `bash` block, say, that nothing runs."""
     languages = {found[1] for text in PAGES.values() for found in re.finditer(r"^```+(\w+)$", text, re.MULTILINE)}
     assert languages <= {
-        *["console", "pycon", "sh", "toml", "text", "python", "xml", "yaml", "csv", "json", "cmake", "markdown"]
+        *["console", "pycon", "sh", "toml", "text", "python", "xml", "yaml", "csv", "json", "cmake", "markdown", "math"]
     }
 
 
