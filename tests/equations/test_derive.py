@@ -155,7 +155,7 @@ def checked(latex, names, tolerance=1e-12):
         ("two_link_planar", KINDS),
         ("scara", KINDS),
         pytest.param("scara", (), marks=pytest.mark.slow),
-        ("cylindrical", KINDS),
+        pytest.param("cylindrical", KINDS, marks=pytest.mark.slow),
         pytest.param("puma", KINDS, marks=pytest.mark.slow),
     ],
 )

@@ -94,7 +94,8 @@ def test_viscous_friction_as_the_equation_of_motion_has_it():
     for _ in range(80):
         t = 0.5 * (low + high)
         low, high = (t, high) if rest(t)[0] < L else (low, t)
-    slow = retime(slide(), [[0.0], [L]], Scene(friction={"x": Friction(viscous=1e4)}))  # at its last speed all along
+    sticky = Scene(friction={"x": Friction(viscous=1e4)})
+    slow = retime(slide(), [[0.0], [L]], sticky, rate=10.0)  # at its last speed all along
     assert slow.duration == pytest.approx(L * 1e4 / F, rel=1e-3)
     # in each interval the friction of its faster end counts: the error is of first order in their length
     assert 0.0 <= found.duration / rest(low)[1] - 1.0 <= 6e-4
