@@ -51,7 +51,7 @@ def test_satellite_for_any_angles_by_hand():
     assert vanishes(found.whole.c - np.array(m0 * c0 / (m0 + 2 * m1)).ravel())
 
 
-@pytest.mark.parametrize("about", ["origin", "com"])
+@pytest.mark.parametrize("about", ["origin", pytest.param("com", marks=pytest.mark.slow)])
 def test_scara_by_homogeneous_matrices(about):
     found = in_letters(description("scara"), View(about))
     q, l = [symbol(f"q_{k}") for k in (1, 2, 3)], [symbol(f"l_{k}") for k in range(3)]

@@ -216,7 +216,7 @@ def beside_drake(stem, count, seed):
 
 @needs_peers
 def test_durations_are_those_of_drake():
-    apart = beside_drake("ur5_robot", 2, 4)
+    apart = beside_drake("ur5_robot", 2, 2)
     assert apart
     assert max(apart) <= 0.005
 

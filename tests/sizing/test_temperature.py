@@ -190,7 +190,7 @@ def test_limit_of_winding_and_housing_in_degrees_decides_in_place_of_the_rms_tor
 
 def test_power_of_the_bus_is_torque_times_speed_and_loss():
     """P = (T w + R i^2) / e drawn, times e returned; a motor that is braked returns what its loss leaves."""
-    t = np.linspace(0, 2 * np.pi, 100_001)
+    t = np.linspace(0, 2 * np.pi, 40_001)
     thermal = replace(CONSTANT, drive_efficiency=0.9)
     sizing = heated(thermal, t, 0.1 * np.cos(t), 100 * np.sin(t)).sizing
     torque, speed = 0.2 * np.cos(t), 100 * np.sin(t)
