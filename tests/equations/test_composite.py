@@ -135,7 +135,7 @@ def test_letters_of_a_random_tree_agree_with_numbers(tmp_path):
     agree(load_description(tmp_path / "tree.urdf"), VIEWS[0], frame="b1", kinds="mc")
 
 
-@pytest.mark.parametrize("seed", [0, 1, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (2, 3))])
+@pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (0, 2, 3))])
 def test_letters_of_more_random_trees_agree_with_numbers(seed, tmp_path):
     (tmp_path / "tree.urdf").write_text(tree(np.random.default_rng(seed + 10), 1))
     kinds = ("lI", "m", "", "mc")[seed]

@@ -30,7 +30,7 @@ SYSTEMS = {
 }
 
 
-BY_DEFAULT = ("two_link_planar", "scara", "satellite")
+BY_DEFAULT = ("two_link_planar", "scara")
 
 
 @cache

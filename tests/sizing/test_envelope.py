@@ -108,7 +108,7 @@ def test_a_support_function_is_bounded_from_above_on_the_lattice() -> None:
         return np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]) @ w
 
     for low, high in ((-0.3, 1.1), (0.2, 0.25), (0.4, 0.4), (-np.pi, np.pi), (-9.0, 9.0)):
-        tried = np.linspace(low, high, 301)
+        tried = np.linspace(low, high, 101)
         best = np.max([largest(turned(lattice.directions, q)) for q in tried], axis=0)
         bound = lattice.turned(values, low, high)
         assert (bound - best).min() >= -1e-13

@@ -25,6 +25,7 @@ from robodyn.sizing.reachability import Intervals
 from robodyn.sizing.retime import retime
 
 ROBOTS = ("ur5_robot", "panda", "kinova", "talos_left_arm", "xarm7", "z1")
+BY_DEFAULT = ("ur5_robot", "panda")
 HELD = re.compile("finger|gripper")
 SLIDE = """<robot name="slide"><link name="rail"/><link name="car"><inertial><mass value="2"/>
 <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link><joint name="x" type="KIND">
@@ -189,7 +190,9 @@ def kept_by_pinocchio(stem, count, seed):
 
 
 @needs_peers
-@pytest.mark.parametrize("stem", ROBOTS)
+@pytest.mark.parametrize(
+    "stem", [each if each in BY_DEFAULT else pytest.param(each, marks=pytest.mark.slow) for each in ROBOTS]
+)
 def test_random_paths_keep_all_limits_by_pinocchio(stem):
     done, worst = kept_by_pinocchio(stem, 3, 1)
     assert done >= 1
@@ -344,7 +347,7 @@ def test_stribeck_and_coupled_motors_are_along_for_the_ride():
 # Jerk
 
 
-@pytest.mark.parametrize("jerk", [20.0, 200.0])
+@pytest.mark.parametrize("jerk", [20.0, pytest.param(200.0, marks=pytest.mark.slow)])
 def test_limits_of_jerk_are_kept_too(jerk):
     model, rng = real("ur5_robot"), np.random.default_rng(6)
     found = retime(model, random_path(model, rng, 4), acceleration=8.0, jerk=jerk, grid=400, rate=2000.0)
