@@ -230,7 +230,7 @@ def planted(path: Path, kind: str) -> Iterator[tuple[bytes, str]]:
 CASES = [pytest.param(path, kind, id=f"{path.stem}-{kind}") for kind in KINDS for path in ROBOTS]
 
 
-@pytest.mark.parametrize(("path", "kind"), sampled(CASES, 21))
+@pytest.mark.parametrize(("path", "kind"), sampled(CASES, 14))
 def test_planted(path: Path, kind: str) -> None:
     for text, name in planted(path, kind):
         found = compare(robodyn.load(path), robodyn.load(text))

@@ -142,7 +142,14 @@ def test_letters_of_more_random_trees_agree_with_numbers(seed, tmp_path):
     agree(load_description(tmp_path / "tree.urdf"), VIEWS[seed % 3], frame=("base", "b1")[seed % 2], kinds=kinds)
 
 
-@pytest.mark.parametrize("name", [pytest.param("puma", marks=pytest.mark.slow), "cylindrical", "two_link_spatial"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param("puma", marks=pytest.mark.slow),
+        pytest.param("cylindrical", marks=pytest.mark.slow),
+        "two_link_spatial",
+    ],
+)
 def test_letters_of_robots_agree_with_numbers(name):
     agree(description(name), View("origin"))
 

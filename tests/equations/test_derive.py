@@ -257,7 +257,7 @@ TREES = sorted(path.stem for path in ROBOTS.glob("*.urdf") if path.stem != "comp
 
 @pytest.mark.parametrize(
     "name",
-    [name if name in ("scara", "rigid_body") else pytest.param(name, marks=pytest.mark.slow) for name in TREES],
+    [name if name in ("pendulum", "rigid_body") else pytest.param(name, marks=pytest.mark.slow) for name in TREES],
 )
 def test_every_robot_in_numbers_in_every_form(name):
     found = derive(robot(name), at=())

@@ -322,7 +322,7 @@ def at_shafts(model, scene, found):
 @pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow), pytest.param(3, marks=pytest.mark.slow)])
 def test_motors_gears_and_friction_keep_their_limits(seed):
     model, rng = robodyn.load(str(FOLDER / "puma560.urdf")), np.random.default_rng(seed)
-    for _ in range(3):
+    for _ in range(2):
         scene = random_scene(model, rng)
         q = 0.5 * random_path(model, rng, 4)
         found = retime(model, q, scene, grid=400, rate=2000.0)

@@ -31,7 +31,7 @@ def pooled(cases: list[Held]) -> float:
     return float(np.mean([case.peak for case in cases]))
 
 
-@pytest.mark.parametrize("name", ["trapezoid", "S-curve, triangular"])
+@pytest.mark.parametrize("name", ["trapezoid", pytest.param("S-curve, triangular", marks=pytest.mark.slow)])
 def test_bars_hold_in_every_class_of_motion(name: str) -> None:
     cases = [held(name, noise, 200, seed) for noise in NOISES for seed in range(2)]
     assert pooled(cases) >= 0.9
@@ -66,7 +66,9 @@ def test_torque_of_one_joint_with_trapezoidal_speed(noise: str) -> None:
     assert load.error_bar <= 0.2
 
 
-@pytest.mark.parametrize("mode", ["spline", "savgol", "central"])
+@pytest.mark.parametrize(
+    "mode", ["spline", pytest.param("savgol", marks=pytest.mark.slow), pytest.param("central", marks=pytest.mark.slow)]
+)
 def test_bars_of_chosen_methods_hold_too(mode: str) -> None:
     ok = []
     for seed in range(2):
