@@ -72,7 +72,7 @@ ACCUSED = [
 ]
 
 
-@pytest.mark.parametrize("path", sampled(ACCUSED, 20), ids=name_of)
+@pytest.mark.parametrize("path", sampled(ACCUSED, 15), ids=name_of)
 def test_every_error_has_a_witness(path: Path, tmp_path: Path) -> None:
     folder = next(up for up in path.parents if up.name in ("example-robot-data", "iCub", "share"))
     errors = [*errors_of("", folder, Checked((str(path),), found(path)), tmp_path)]
