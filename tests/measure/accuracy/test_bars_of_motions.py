@@ -31,7 +31,7 @@ def pooled(cases: list[Held]) -> float:
     return float(np.mean([case.peak for case in cases]))
 
 
-@pytest.mark.parametrize("name", ["trapezoid", pytest.param("S-curve, triangular", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("name", ["trapezoid", "S-curve, triangular"])
 def test_bars_hold_in_every_class_of_motion(name: str) -> None:
     cases = [held(name, noise, 200, seed) for noise in NOISES for seed in range(2)]
     assert pooled(cases) >= 0.9
@@ -67,7 +67,7 @@ def test_torque_of_one_joint_with_trapezoidal_speed(noise: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "mode", ["spline", pytest.param("savgol", marks=pytest.mark.slow), pytest.param("central", marks=pytest.mark.slow)]
+    "mode", ["spline", *(pytest.param(mode, marks=pytest.mark.slow) for mode in ("savgol", "central"))]
 )
 def test_bars_of_chosen_methods_hold_too(mode: str) -> None:
     ok = []
