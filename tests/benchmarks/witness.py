@@ -7,7 +7,6 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-import trimesh
 
 
 @cache
@@ -20,6 +19,8 @@ def numbers(element, key, default):
 
 
 def placed(element):
+    import trimesh
+
     pose = trimesh.transformations.euler_matrix(*numbers(element.find("origin"), "rpy", "0 0 0"))
     pose[:3, 3] = numbers(element.find("origin"), "xyz", "0 0 0")
     return pose
@@ -40,6 +41,8 @@ def rigid_group(robot, name):
 
 def points(shape, files):
     """Return corners of a shape, of a mesh all, in the axes of its link."""
+    import trimesh
+
     solid = shape.find("geometry")[0]
     if solid.tag == "mesh":
         tail = solid.get("filename").split("://")[-1].split("../")[-1].split("/")
@@ -63,6 +66,8 @@ def condemns(error, number):
 
 def witness(error):
     """Return what the rule judges: a mass, a share of the largest moment, a ratio, a distance, a count of namesakes."""
+    import trimesh
+
     code, name, robot = error["rule"], error["name"], ET.parse(error["file"]).getroot()
     files = files_in(error["folder"])
     if code == "RD601":

@@ -35,7 +35,7 @@ def found(path: Path) -> tuple[Finding, ...]:
     return check_one(str(path))
 
 
-@pytest.mark.parametrize("path", sampled(published(), 22), ids=name_of)
+@pytest.mark.parametrize("path", sampled(published(), 28), ids=name_of)
 def test_the_same_findings_at_places_that_are_there(path: Path) -> None:
     assert counts(found(path)) == PINNED[name_of(path)]
     for finding in found(path):

@@ -51,7 +51,7 @@ def test_satellite_for_any_angles_by_hand():
     assert vanishes(found.whole.c - np.array(m0 * c0 / (m0 + 2 * m1)).ravel())
 
 
-@pytest.mark.parametrize("about", ["origin", "com"])
+@pytest.mark.parametrize("about", ["origin", pytest.param("com", marks=pytest.mark.slow)])
 def test_scara_by_homogeneous_matrices(about):
     found = in_letters(description("scara"), View(about))
     q, l = [symbol(f"q_{k}") for k in (1, 2, 3)], [symbol(f"l_{k}") for k in range(3)]
@@ -135,14 +135,21 @@ def test_letters_of_a_random_tree_agree_with_numbers(tmp_path):
     agree(load_description(tmp_path / "tree.urdf"), VIEWS[0], frame="b1", kinds="mc")
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (0, 2, 3))])
 def test_letters_of_more_random_trees_agree_with_numbers(seed, tmp_path):
     (tmp_path / "tree.urdf").write_text(tree(np.random.default_rng(seed + 10), 1))
     kinds = ("lI", "m", "", "mc")[seed]
     agree(load_description(tmp_path / "tree.urdf"), VIEWS[seed % 3], frame=("base", "b1")[seed % 2], kinds=kinds)
 
 
-@pytest.mark.parametrize("name", ["puma", "cylindrical", "two_link_spatial"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param("puma", marks=pytest.mark.slow),
+        pytest.param("cylindrical", marks=pytest.mark.slow),
+        "two_link_spatial",
+    ],
+)
 def test_letters_of_robots_agree_with_numbers(name):
     agree(description(name), View("origin"))
 

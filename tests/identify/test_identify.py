@@ -119,7 +119,7 @@ def test_friction_that_grows_with_load(tmp_path, monkeypatch):
     model = robodyn.load(robot)
     some = {name: Friction(0.5, 1.0, -1.0, load=0.1) for name in model.rates[1:]}
     scene = Scene(friction={**friction(model, 0.5, 1.0, -1.0), **some})
-    logged("log.csv", robot, waves, scene, np.random.default_rng(5), noise=0.01, time=TIME[:1600])
+    logged("log.csv", robot, waves, scene, np.random.default_rng(5), noise=0.01, time=TIME[:1000])
     outputs = ("--out", "found.urdf", "--scene-out", "found.toml", "--covariance", "found.json")
     done = run("identify", str(robot), "log.csv", *outputs)
     assert done.status == 0, done.err

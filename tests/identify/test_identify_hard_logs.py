@@ -198,7 +198,13 @@ SHAKEN = TIME + 0.01 * np.random.default_rng(2).uniform(-0.3, 0.3, len(TIME))
 @pytest.mark.parametrize(
     ("log", "options", "words", "error"),
     [
-        ({"change": constant}, (), f"the torque of {JOINTS[0]} is 1.25 throughout: it is left out", 0.05),
+        pytest.param(
+            {"change": constant},
+            (),
+            f"the torque of {JOINTS[0]} is 1.25 throughout: it is left out",
+            0.05,
+            marks=pytest.mark.slow,
+        ),
         ({"change": spiked, "time": SHAKEN}, (), f"the torque of {JOINTS[1]} has spikes", 0.02),
         pytest.param({"rows": GAP}, (), "", 0.02, marks=pytest.mark.slow),
         pytest.param({}, ("--split", "1"), "", 0.02, marks=pytest.mark.slow),

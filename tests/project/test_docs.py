@@ -65,7 +65,8 @@ LONG = (
     *("identify", "feet_on_the_ground", "reports", "many_trajectories", "measured_logs", "export", "first_torques"),
     *("closed_chains", "uncertainty", "lint_in_ci", "linearize", "excite", "retime", "motor_sizing", "weighing_a_part"),
     *("mass_properties", "check_descriptions", "derivatives", "README", "other_formats", "glance"),
-    *("free_bodies", "recursive", "systems"),
+    *("free_bodies", "recursive", "systems", "momentum", "composite_bodies", "kinematics", "catalogue", "derive"),
+    *("axes", "dae", "envelope", "convert", "simulate"),
 )
 """Pages whose examples compute for seconds."""
 

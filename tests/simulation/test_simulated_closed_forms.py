@@ -113,7 +113,9 @@ def test_within_a_millimetre(method, step, last):
         assert np.hypot(np.cos(q) - place[0], np.sin(q) - place[1]) <= BAR
 
 
-@pytest.mark.parametrize(("count", "executor"), [(8, "compiled"), (TOGETHER + 5, "numpy")])
+@pytest.mark.parametrize(
+    ("count", "executor"), [(8, "compiled"), pytest.param(TOGETHER + 5, "numpy", marks=pytest.mark.slow)]
+)
 def test_each_is_what_it_is_alone(count, executor):
     model, scene = tumbling()
     q, qd, _ = random_state(model, np.random.default_rng(3), count)

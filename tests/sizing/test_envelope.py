@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -107,7 +108,7 @@ def test_a_support_function_is_bounded_from_above_on_the_lattice() -> None:
         return np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]) @ w
 
     for low, high in ((-0.3, 1.1), (0.2, 0.25), (0.4, 0.4), (-np.pi, np.pi), (-9.0, 9.0)):
-        tried = np.linspace(low, high, 301)
+        tried = np.linspace(low, high, 101)
         best = np.max([largest(turned(lattice.directions, q)) for q in tried], axis=0)
         bound = lattice.turned(values, low, high)
         assert (bound - best).min() >= -1e-13
@@ -164,8 +165,14 @@ def hold(found: Envelope) -> None:
         assert (np.array([*one.load.pose.values()]) <= high + 1e-12).all()
 
 
-@pytest.mark.parametrize("seeds", [range(4), pytest.param(range(4, 20), marks=pytest.mark.slow)], ids=["few", "many"])
-def test_drawn_trees_exceed_no_bound(seeds: range) -> None:
+FEW = (0, 4, 13)
+"""Hinges and slides; the last with a spring, mimicry and a force."""
+
+
+@pytest.mark.parametrize(
+    "seeds", [FEW, pytest.param(sorted({*range(20)} - {*FEW}), marks=pytest.mark.slow)], ids=["few", "many"]
+)
+def test_drawn_trees_exceed_no_bound(seeds: Iterable[int]) -> None:
     """Hinges, slides, branches, any gravity; half with springs, a force along gravity and mimicry."""
     for seed in seeds:
         model, scene, plain = drawn(seed)
@@ -263,7 +270,7 @@ def test_a_joint_that_turns_the_other_way_takes_of_the_torque() -> None:
     assert abs(found.load.value) <= found.load.bound <= 1.02 * found.load.value
 
 
-@pytest.mark.parametrize(("seed", "gap"), [(7, 0.02), (53, 0.04)])
+@pytest.mark.parametrize(("seed", "gap"), [pytest.param(7, 0.02, marks=pytest.mark.slow), (53, 0.04)])
 def test_poses_of_joints_that_turn_together_are_looked_for_in_pieces(seed: int, gap: float) -> None:
     """Two drawn trees with a joint that mimics, in which one start ends 3 % and 12 % below the bound."""
     model, scene, _ = drawn(seed)

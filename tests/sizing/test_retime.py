@@ -25,6 +25,7 @@ from robodyn.sizing.reachability import Intervals
 from robodyn.sizing.retime import retime
 
 ROBOTS = ("ur5_robot", "panda", "kinova", "talos_left_arm", "xarm7", "z1")
+BY_DEFAULT = ("ur5_robot", "panda")
 HELD = re.compile("finger|gripper")
 SLIDE = """<robot name="slide"><link name="rail"/><link name="car"><inertial><mass value="2"/>
 <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link><joint name="x" type="KIND">
@@ -94,7 +95,8 @@ def test_viscous_friction_as_the_equation_of_motion_has_it():
     for _ in range(80):
         t = 0.5 * (low + high)
         low, high = (t, high) if rest(t)[0] < L else (low, t)
-    slow = retime(slide(), [[0.0], [L]], Scene(friction={"x": Friction(viscous=1e4)}))  # at its last speed all along
+    sticky = Scene(friction={"x": Friction(viscous=1e4)})
+    slow = retime(slide(), [[0.0], [L]], sticky, rate=10.0)  # at its last speed all along
     assert slow.duration == pytest.approx(L * 1e4 / F, rel=1e-3)
     # in each interval the friction of its faster end counts: the error is of first order in their length
     assert 0.0 <= found.duration / rest(low)[1] - 1.0 <= 6e-4
@@ -188,7 +190,9 @@ def kept_by_pinocchio(stem, count, seed):
 
 
 @needs_peers
-@pytest.mark.parametrize("stem", ROBOTS)
+@pytest.mark.parametrize(
+    "stem", [each if each in BY_DEFAULT else pytest.param(each, marks=pytest.mark.slow) for each in ROBOTS]
+)
 def test_random_paths_keep_all_limits_by_pinocchio(stem):
     done, worst = kept_by_pinocchio(stem, 3, 1)
     assert done >= 1
@@ -215,7 +219,7 @@ def beside_drake(stem, count, seed):
 
 @needs_peers
 def test_durations_are_those_of_drake():
-    apart = beside_drake("ur5_robot", 2, 4)
+    apart = beside_drake("ur5_robot", 2, 2)
     assert apart
     assert max(apart) <= 0.005
 
@@ -318,7 +322,7 @@ def at_shafts(model, scene, found):
 @pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow), pytest.param(3, marks=pytest.mark.slow)])
 def test_motors_gears_and_friction_keep_their_limits(seed):
     model, rng = robodyn.load(str(FOLDER / "puma560.urdf")), np.random.default_rng(seed)
-    for _ in range(3):
+    for _ in range(2):
         scene = random_scene(model, rng)
         q = 0.5 * random_path(model, rng, 4)
         found = retime(model, q, scene, grid=400, rate=2000.0)
@@ -343,7 +347,7 @@ def test_stribeck_and_coupled_motors_are_along_for_the_ride():
 # Jerk
 
 
-@pytest.mark.parametrize("jerk", [20.0, 200.0])
+@pytest.mark.parametrize("jerk", [20.0, pytest.param(200.0, marks=pytest.mark.slow)])
 def test_limits_of_jerk_are_kept_too(jerk):
     model, rng = real("ur5_robot"), np.random.default_rng(6)
     found = retime(model, random_path(model, rng, 4), acceleration=8.0, jerk=jerk, grid=400, rate=2000.0)

@@ -149,7 +149,7 @@ def test_noise_of_a_fast_small_motion_does_not_erase_it() -> None:
     assert np.std((result.qdd[:, 0] - truth)[60:-60]) < 0.35 * np.std(truth)
 
 
-@pytest.mark.parametrize("mode", ["savgol", "spline", "central"])
+@pytest.mark.parametrize("mode", [pytest.param("savgol", marks=pytest.mark.slow), "spline", "central"])
 def test_implied_noise_of_acceleration_is_that_of_many_noisy_copies(mode: str) -> None:
     """By what the method makes of a unit in each sample, whose squares add up to those of all copies there could be."""
     rng, time = np.random.default_rng(7), np.arange(301) * 1e-3

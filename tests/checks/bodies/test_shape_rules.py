@@ -216,18 +216,19 @@ def test_torques_are_those_of_the_recursion_and_no_random_pose_within_limits_ask
     assert all(most[joint.rate] <= bounds[joint.name][0] * (1 + 1e-12) + 1e-12 for joint in single)
 
 
-def test_long_rows_of_oblique_hinges_ask_for_no_more_than_the_bound() -> None:
+@pytest.mark.parametrize("count", [40, pytest.param(100, marks=pytest.mark.slow)])
+def test_long_rows_of_oblique_hinges_ask_for_no_more_than_the_bound(count: int) -> None:
     """Nor for what is no number: nothing drifts from sweep to sweep."""
     links, joints = ['<link name="l0"/>'], []
-    for k in range(1, 101):
+    for k in range(1, count + 1):
         hinge = f'<joint name="j{k}" type="revolute"><parent link="l{k - 1}"/><child link="l{k}"/>'
         where = '<origin xyz="0.1 0 0.02" rpy="0.1 0.2 0.3"/><limit lower="-2" upper="2" effort="5" velocity="3"/>'
         links.append(f'<link name="l{k}"><inertial><mass value="1"/>{INERTIA}</inertial></link>')
         joints.append(f'{hinge}{where}<axis xyz="{("0 0 1", "1 0 0", "0 1 0")[k % 3]}"/></joint>')
     one = context(f'<robot name="row">{"".join(links + joints)}</robot>')
     results, bounds = one.once(static_torques), one.once(gravity_bounds)
-    assert len(results) > 90
-    assert all(5.0 < abs(torque) <= bounds[joint.name][0] for joint, torque, _ in results[:90])
+    assert len(results) > 0.9 * count
+    assert all(5.0 < abs(torque) <= bounds[joint.name][0] for joint, torque, _ in results[: count * 9 // 10])
 
 
 @pytest.mark.parametrize(

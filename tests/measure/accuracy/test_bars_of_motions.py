@@ -66,7 +66,9 @@ def test_torque_of_one_joint_with_trapezoidal_speed(noise: str) -> None:
     assert load.error_bar <= 0.2
 
 
-@pytest.mark.parametrize("mode", ["spline", "savgol", "central"])
+@pytest.mark.parametrize(
+    "mode", ["spline", *(pytest.param(mode, marks=pytest.mark.slow) for mode in ("savgol", "central"))]
+)
 def test_bars_of_chosen_methods_hold_too(mode: str) -> None:
     ok = []
     for seed in range(2):

@@ -20,7 +20,9 @@ from robodyn.scene.scene import Scene
 SWING = Scene(initial_q={"j1": 2.5})
 
 
-@pytest.mark.parametrize("target", [1e-3, 1e-7, 1e-12])
+@pytest.mark.parametrize(
+    "target", [pytest.param(1e-3, marks=pytest.mark.slow), 1e-7, pytest.param(1e-12, marks=pytest.mark.slow)]
+)
 def test_the_error_is_within_the_expected_one(target):
     model = pendulum(masses=2)
     found = simulate_within(model, SWING, 0.3, target)

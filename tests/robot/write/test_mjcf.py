@@ -30,7 +30,7 @@ REFUSED = {
 }
 """Robots that cannot be, and the rule that tells why."""
 POSSIBLE = [path for path in PATHS if path.stem not in REFUSED]
-BY_DEFAULT = ("double_pendulum", "iris", "panda")
+BY_DEFAULT = ("iris", "panda")
 
 
 @pytest.fixture(autouse=True)

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers.example_robots import cases
+from helpers.sampled import sampled
 
 import robodyn
 from robodyn.errors import DescriptionError, InputError
@@ -29,7 +30,7 @@ def parts_of(description):
     return links, joints, [replace(each, line=1) for each in description.transmissions], description.root
 
 
-@pytest.mark.parametrize("path", [*FILES, *cases()])
+@pytest.mark.parametrize("path", [*sampled(FILES, 3), *cases()])
 def test_it_is_read_again_to_the_last_bit(path):
     """As edits and, as of another format, as a new text."""
     description = load_description(path)
