@@ -94,7 +94,7 @@ PLAIN, MATHEMATICS = Plain(), Mathematics()
 def rows(equation: Equation, style: Plain) -> Iterator[Row]:
     """Yield an equation: names of what is summed, each term with its value, the sum. What vanishes is left out."""
     terms = [term for term in equation.terms if np.any(np.asarray(term.value) != 0)]
-    left, names = style.name(equation.left), style.name(joined(term.name for term in terms))
+    left, names = style.name(equation.left), style.name(joined(terms))
     if equation.grid:
         yield Row(left, style.matrix([[style.name(x) for x in row] for row in equation.grid]))
     if equation.total is None or str(equation.total) == equation.left:
