@@ -308,17 +308,9 @@ def _without_noise(values: Any, least: float) -> Any:
     return np.vectorize(lambda x: 0.0 if isinstance(x, float) and abs(x) <= least else x, [object])(values)
 
 
-class _Unknown(NamedTuple):
-    """A component of F or M at a joint, which is its letter, and its direction."""
-
-    name: str
-    letter: str
-    unit: Floats
-
-
-def _unknowns(body: _Body, acting: bool) -> list[_Unknown]:
-    """Return the reactions at a joint, and last what acts along it: Q where friction, springs or rotors do beside the
-    drive."""
+def _unknowns(body: _Body, acting: bool) -> list[tuple[str, str, Floats]]:
+    """Return the reactions at a joint, and last what acts along it, Q where friction, springs or rotors do beside the
+    drive: names, each with F or M, which it is a component of, and its direction."""
     axis = np.asarray(body.e.value, dtype=float)
     held, last = dict(zip(AXES, np.eye(3), strict=True)), AXES[int(np.abs(axis).argmax())]
     if np.abs(axis).max() != 1.0:
@@ -326,49 +318,49 @@ def _unknowns(body: _Body, acting: bool) -> list[_Unknown]:
     along = "M" if body.turns else "F"
     places = [(letter, direction) for letter in "FM" for direction in held]
     places.remove((along, last))
-    reactions = [_Unknown(body.name(letter) + direction, letter, held[direction]) for letter, direction in places]
-    return [*reactions, _Unknown(body.name("Q" if acting else "tau"), along, axis)]
+    reactions = [(body.name(letter) + direction, letter, held[direction]) for letter, direction in places]
+    return [*reactions, (body.name("Q" if acting else "tau"), along, axis)]
 
 
 WORDS = """\
-frames: Body i has its axes at its joint. In the axes of the body before it, p is the way from that body's origin to
-its own; R turns components in its own axes into those. In its own axes, e is the joint's axis, r the way from the
-origin to the mass centre, I the inertia matrix about it; m is the mass. All vectors of a body are written in its own
-axes.
+Frames, coordinates and what is known: Body i has its axes at its joint. In the axes of the body before it, p is the way
+from that body's origin to its own; R turns components in its own axes into those. In its own axes, e is the joint's
+axis, r the way from the origin to the mass centre, I the inertia matrix about it; m is the mass. All vectors of a body
+are written in its own axes.
 
-velocities: A body has the velocities of the body that carries it, turned into its own axes, and what its joint adds:
-e qd to w where it turns, to v where it slides. v_c is the velocity of the mass centre.
+Velocities, from the base outwards: A body has the velocities of the body that carries it, turned into its own axes, and
+what its joint adds: e qd to w where it turns, to v where it slides. v_c is the velocity of the mass centre.
 
-accelerations: The same once more: wd and a are the accelerations of the body and of its origin, seen from the ground.
-The axis of a joint turns with the body before it: hence the cross products with qd.
+Accelerations, from the base outwards: The same once more: wd and a are the accelerations of the body and of its origin,
+seen from the ground. The axis of a joint turns with the body before it: hence the cross products with qd.
 
-momenta: P is the linear momentum, H the angular momentum about the mass centre; Pd and Hd are their rates, seen from
-the ground. In axes that turn with w components of H change besides: hence w x H.
+Momenta and their rates: P is the linear momentum, H the angular momentum about the mass centre; Pd and Hd are their
+rates, seen from the ground. In axes that turn with w components of H change besides: hence w x H.
 
-free: Each joint is cut. The body before exerts on the body the force F at the joint and the moment M about its
-origin. A joint of f degrees of freedom holds 6 - f components, the unknown reactions; along its freedom acts the
-drive. Gravity is turned outwards as velocities are.
+Free bodies: Each joint is cut. The body before exerts on the body the force F at the joint and the moment M about its
+origin. A joint of f degrees of freedom holds 6 - f components, the unknown reactions; along its freedom acts the drive.
+Gravity is turned outwards as velocities are.
 
-laws: Euler's first law: the momentum changes by the sum of the forces. Euler's second law: the angular momentum about
-the mass centre changes by the sum of the moments about it. The unknown reactions stand in them.
+Euler's laws of each body: Euler's first law: the momentum changes by the sum of the forces. Euler's second law: the
+angular momentum about the mass centre changes by the sum of the moments about it. The unknown reactions stand in them.
 
-elimination: A body at a tip carries nothing: its laws hold no reactions but those of its own joint, and are solved
-for them. They are then known in the laws of the body before, and so on to the base.
+The differential-algebraic equations: The laws of all bodies are a system of differential and algebraic equations (DAE).
 
-drives: What a drive has to give is the component of the reaction along the axis: of M where the joint turns, of F
+Elimination, from the tips to the base: A body at a tip carries nothing: its laws hold no reactions but those of its own
+joint, and are solved for them. They are then known in the laws of the body before, and so on to the base.
+
+The drives: What a drive has to give is the component of the reaction along the axis: of M where the joint turns, of F
 where it slides.
 
-order: The recursions of all bodies are one equation of stacked vectors: twists V_i = (w_i, v_i) and wrenches W_i =
-(M_i, F_i) about the origins. A_i takes the twist of the body before to body i, h_i is the direction of the joint, B_i
-has inertia about the origin and mass; z_i and b_i are what velocities alone make, and gravity is in z, as an
-acceleration of the ground upwards. Gamma has A_i in the row of body i and the column of the body before it, so that
-products alone invert 1 - Gamma: Phi."""
-"""What is done in each step, and why."""
+The ordinary differential equations: Sorted by accelerations, the drives give M qdd and a bias, which is what is left
+where nothing accelerates.
 
-
-def _words(step: str) -> str:
-    texts = dict(text.split(": ", 1) for text in WORDS.split("\n\n"))
-    return " ".join(texts[step].split())
+The recursive order formulation: The recursions of all bodies are one equation of stacked vectors: twists V_i = (w_i,
+v_i) and wrenches W_i = (M_i, F_i) about the origins. A_i takes the twist of the body before to body i, h_i is the
+direction of the joint, B_i has inertia about the origin and mass; z_i and b_i are what velocities alone make, and
+gravity is in z, as an acceleration of the ground upwards. Gamma has A_i in the row of body i and the column of the body
+before it, so that products alone invert 1 - Gamma: Phi."""
+"""What is done in each step, and why, by its title."""
 
 
 State = tuple[Floats, Floats, Floats]
@@ -398,32 +390,42 @@ class _Solution:
         self.beside = {effect.name: effect.add(still, self.sample, self.scene).at_joint for effect in beside}
         self.reactions: list[str] = []
         self.compared: list[tuple[Any, Any]] = []
-        self.steps = [self._frames()]
-        self._recursion("Velocities, from the base outwards", "velocities", VELOCITIES)
-        self._recursion("Accelerations, from the base outwards", "accelerations", ACCELERATIONS)
-        self._recursion("Momenta and their rates", "momenta", MOMENTA)
-        self.steps.append(self._free_bodies())
-        parts = self._worked_out(self.bodies, LAWS, find=False)
-        self.steps.append(Step("Euler's laws of each body", [_words("laws")], laws(LAWS), parts))
-        self.steps.append(self._system())
-        self._recursion("Elimination, from the tips to the base", "elimination", ELIMINATION, self.bodies[::-1])
-        self.steps += [self._drives(), self._ode(), self._order_formulation()]
+        self.steps: list[Step] = []
+        self._frames()
+        self._recursion("Velocities, from the base outwards", VELOCITIES)
+        self._recursion("Accelerations, from the base outwards", ACCELERATIONS)
+        self._recursion("Momenta and their rates", MOMENTA)
+        self._free_bodies()
+        self._add("Euler's laws of each body", self._worked_out(self.bodies, LAWS, find=False), laws(LAWS))
+        self._system()
+        self.bodies.reverse()
+        self._recursion("Elimination, from the tips to the base", ELIMINATION)
+        self.bodies.reverse()
+        self._drives()
+        self._ode()
+        self._order_formulation()
 
-    @property
-    def equations(self) -> Iterator[Equation]:
-        return (equation for step in self.steps for part in step.parts for equation in part.equations)
+    def _add(
+        self,
+        title: str,
+        parts: Sequence[Part],
+        general: Sequence[str] = (),
+        more: Iterable[str] = (),
+        counts: Sequence[Sequence[str]] = (),
+    ) -> None:
+        words = dict(text.split(": ", 1) for text in WORDS.split("\n\n"))
+        self.steps.append(Step(title, [" ".join(words[title].split()), *more], general, parts, counts))
 
-    def _frames(self) -> Step:
+    def _recursion(self, title: str, rules: Rules) -> None:
+        self._add(title, self._worked_out(self.bodies, rules), laws(rules))
+
+    def _frames(self) -> None:
         parts = [] if self.model.floating else [Part("Ground", [Equation("g_0", self.ground.g.value)])]
         for body in self.bodies:
             follows = body.joint is not None and body.joint.mimics is not None
             letters = [*("q" * follows), *("" if body.free else "Rpe"), *"mrI"]
             parts.append(Part(body.title, [Equation(body.name(x), body.known[x].value) for x in letters]))
-        return Step("Frames, coordinates and what is known", [_words("frames")], (), parts)
-
-    def _recursion(self, title: str, words: str, rules: Rules, bodies: Sequence[_Body] = ()) -> None:
-        parts = self._worked_out(bodies or self.bodies, rules)
-        self.steps.append(Step(title, [_words(words)], laws(rules), parts))
+        self._add("Frames, coordinates and what is known", parts)
 
     def _worked_out(self, bodies: Iterable[_Body], rules: Rules, find: bool = True) -> list[Part]:
         """Apply rules to bodies in their order, which finds what stands on the left, or with find=False is a law that
@@ -457,7 +459,7 @@ class _Solution:
                 out[k] = self.tape.input(KNOWN, len(self.known) - 1)
         return out
 
-    def _free_bodies(self) -> Step:
+    def _free_bodies(self) -> None:
         """Put unknowns in place of the reactions."""
         acting = {i for torques in self.beside.values() for i in torques}
         parts, rows = [], [("body", "f", "6 - f", "unknown reactions", "along the joint")]
@@ -480,9 +482,9 @@ class _Solution:
             rows.append((body.label, freedom, str(len(body.held)), ", ".join(body.held) or "-", along))
         held = sum(len(body.held) for body in self.bodies)
         rows.append(("together", str(self.model.n), str(held), "", ""))
-        return Step("Free bodies", [_words("free")], laws(GRAVITY), parts, rows)
+        self._add("Free bodies", parts, laws(GRAVITY), counts=rows)
 
-    def _system(self) -> Step:
+    def _system(self) -> None:
         """Count equations and unknowns of the laws of all bodies."""
         n, joints = len(self.bodies), sum(len(body.driven) for body in self.bodies)
         rows, unknowns = [("laws of body", "equations", "unknowns in them")], []
@@ -494,9 +496,8 @@ class _Solution:
         unknowns += ["6 accelerations of the base"] if self.model.floating else []
         rows.append(("together", str(6 * n), ", ".join(unknowns)))
         words = [
-            "The laws of all bodies are a system of differential and algebraic equations (DAE). Its differential "
-            f"unknowns are the {self.model.n} coordinates, of which second derivatives stand in it. Its algebraic "
-            f"unknowns are the {5 * joints} reactions, of which no derivative does.",
+            f"Its differential unknowns are the {self.model.n} coordinates, of which second derivatives stand in it. "
+            f"Its algebraic unknowns are the {5 * joints} reactions, of which no derivative does.",
             f"Where the motion is given: 6 x {count(n, 'body', 'bodies')} = {6 * n} equations for "
             f"{' + '.join(unknowns)}, linear and algebraic. Where the drives are given, the accelerations are unknown "
             "in their place.",
@@ -506,9 +507,9 @@ class _Solution:
                 f"{count(followers, 'joint')} that follow others: what acts along them is the force of the coupling, "
                 "which the drive of the joint that leads has to give."
             )
-        return Step("The differential-algebraic equations", words, (), (), rows)
+        self._add("The differential-algebraic equations", (), (), words, rows)
 
-    def _drives(self) -> Step:
+    def _drives(self) -> None:
         """Find tau, the generalized forces by rate, and the part of each effect that acts along joints."""
         self.tau = np.zeros(self.model.n, dtype=object)
         self.parts = {effect: np.zeros(self.model.n, dtype=object) for effect in self.beside}
@@ -532,12 +533,11 @@ class _Solution:
             leader = self.lettered.symbols["qdd", rate].name.replace("qdd", "tau")
             equations.setdefault(rate, Equation(leader)).terms.extend(terms)
             equations[rate].total = self.tau[rate]
-        words, general = [_words("drives")], [f"{law} | where it turns" for law in laws(DRIVES)]
+        general = [f"{law} | where it turns" for law in laws(DRIVES)]
         general += [f"{law} | where it slides" for law in laws(DRIVES, turns=False)]
-        if self.model.floating:
-            words.append("Nothing holds the base: F_0 and M_0 vanish. These are the six equations of its motion.")
+        base = "Nothing holds the base: F_0 and M_0 vanish. These are the six equations of its motion."
         found = [equations[rate] for rate in sorted(equations)]
-        return Step("The drives", words, general, [Part("", found)] if found else ())
+        self._add("The drives", [Part("", found)], general, [base] * self.model.floating)
 
     def _mass(self, effects: Sequence[Effect]) -> Named:
         """M of effects: the forces for one unit acceleration at a time."""
@@ -547,7 +547,7 @@ class _Solution:
             columns.append(loads(moving, applied(effects, moving, self.scene)).tau)
         return Named("M", np.array(columns, dtype=object).T)
 
-    def _ode(self) -> Step:
+    def _ode(self) -> None:
         """Sort the drives by accelerations, by the recursion with one effect at a time."""
         n = self.model.n
         gap = "," if n > 9 else ""
@@ -568,78 +568,74 @@ class _Solution:
                 )
                 terms.append(one)
         self.compared.append((total(term.value for term in terms), self.tau))
-        words = [
-            "Sorted by accelerations, the drives give M qdd and a bias, which is what is left where nothing "
-            "accelerates."
-        ]
-        if self.model.floating:
-            words.append("Rows 1 to 3 are the components of M_0, rows 4 to 6 those of F_0; on the right they are zero.")
-        return Step("The ordinary differential equations", words, [f"{joined(terms)} = tau"], parts)
+        base = "Rows 1 to 3 are the components of M_0, rows 4 to 6 those of F_0; on the right they are zero."
+        law = f"{joined(terms)} = tau"
+        self._add("The ordinary differential equations", parts, [law], [base] * self.model.floating)
 
-    def _order_formulation(self) -> Step:
+    def _order_formulation(self) -> None:
         """Stack the recursions of all bodies, each in its own axes."""
-        N, n = len(self.bodies), self.model.n
-        place = {id(body): k for k, body in enumerate(self.bodies)}
-        Gamma, B = (np.zeros((6 * N, 6 * N), dtype=object) for _ in range(2))
-        h, z, b = np.zeros((6 * N, n), dtype=object), np.zeros(6 * N, dtype=object), np.zeros(6 * N, dtype=object)
-        parts, names, reach = [], [["0"] * N for _ in range(N)], [["0"] * N for _ in range(N)]
-        nothing, unit = Named("0", np.zeros((3, 3))), Named("1", np.eye(3))
-        for k, body in enumerate(self.bodies):
-            own, equations, parent, joint = slice(6 * k, 6 * k + 6), [], body.parent, body.joint
-            if (other := place.get(id(parent))) is not None:
-                rows = [[body.R.T, nothing], [-times(body.R.T, tilde(body.p)), body.R.T]]
+        N, n = 6 * len(self.bodies), self.model.n
+        Gamma, h, B = (Named(x, np.zeros((N, m), dtype=object)) for x, m in (("Gamma", N), ("h", n), ("B", N)))
+        z, b = (Named(x, np.zeros(N, dtype=object)) for x in "zb")
+        parts, own = [], [slice(k, k + 6) for k in range(0, N, 6)]
+        for i, body in zip(own, self.bodies, strict=True):
+            equations, parent, joint = [], body.parent, body.joint
+            if parent in self.bodies:
+                rows = [[body.R.T, Named("0", np.zeros((3, 3)))], [-times(body.R.T, tilde(body.p)), body.R.T]]
                 equations.append(_blocks(body.name("A"), rows))
-                Gamma[own, 6 * other : 6 * other + 6], names[k][other] = equations[0].total, body.name("A")
-                reach[k] = ["0" if x == "0" else f"{body.name('A')} {x}".removesuffix(" 1") for x in reach[other]]
-            reach[k][k] = "1"
+                Gamma.value[i, own[self.bodies.index(parent)]] = equations[0].total
             if parent is None or joint is None:
-                h[own, :6], z[own] = np.eye(6), [*ZERO, *-body.g.value]
+                h.value[i, :6], z.value[i] = np.eye(6), [*ZERO, *-body.g.value]
             else:
                 axis = np.array([*body.e.value, *ZERO] if body.turns else [*ZERO, *body.e.value], dtype=object)
                 equations.append(Equation(body.name("h"), axis))
-                h[own, joint.rate] = axis * float(joint.multiplier)
-                before = parent.where(wd=ZERO, a=ZERO if other is not None else -parent.g.value)
-                z[own] = np.concatenate(body.where(qdd=0.0).find(ACCELERATIONS, ("wd", "a"), before))
+                h.value[i, joint.rate] = axis * float(joint.multiplier)
+                before = parent.where(wd=ZERO, a=ZERO if parent in self.bodies else -parent.g.value)
+                z.value[i] = np.concatenate(body.where(qdd=0.0).find(ACCELERATIONS, ("wd", "a"), before))
             first = times(body.m, tilde(body.r))
-            about = body.I - times(first, tilde(body.r))
-            equations.append(_blocks(body.name("B"), [[about, first], [-first, times(body.m, unit)]]))
-            B[own, own] = equations[-1].total
+            rows = [[body.I - times(first, tilde(body.r)), first], [-first, times(body.m, Named("1", np.eye(3)))]]
+            equations.append(_blocks(body.name("B"), rows))
+            B.value[i, i] = equations[-1].total
             alone = replace(body.where(wd=ZERO, a=ZERO, g=ZERO), children=[])
             *_, F, M = alone.find({**ACCELERATIONS, **MOMENTA, **ELIMINATION}, ("a_c", "Pd", "Hd", "F", "M"), alone)
-            b[own] = [*M, *F]
-            equations += [Equation(body.name("z"), z[own]), Equation(body.name("b"), b[own])]
+            b.value[i] = [*M, *F]
+            equations += [Equation(body.name(x.name), x.value[i]) for x in (z, b)]
             parts.append(Part(body.title, equations))
+        parts.append(Part("All bodies", _grids(self.bodies)))
         general: list[str] = []
 
         def law(left: str, right: Named) -> Named:
             general.append(f"{left} = {right.name}")
             return Named(left, right.value)
 
-        G, H, mass, drift, bias = (Named(*x) for x in (("Gamma", Gamma), ("h", h), ("B", B), ("z", z), ("b", b)))
         qd, qdd = (Named(name, np.array(getattr(self.sample, name), dtype=object)) for name in ("qd", "qdd"))
-        Phi = law("Phi", _inverse(Named("1", np.eye(6 * N)) - G))
-        law("V", times(Phi, H, qd))
-        Vd = law("Vd", times(Phi, times(H, qdd) + drift))
-        W = law("W", times(mass, Vd) + bias)
-        words = [_words("order")]
+        Phi = law("Phi", _inverse(Named("1", np.eye(N)) - Gamma))
+        law("V", times(Phi, h, qd))
+        Vd = law("Vd", times(Phi, times(h, qdd) + z))
+        W = law("W", times(B, Vd) + b)
         forces = [Named("tau", self.tau), *(-Named(AT_JOINTS[effect], part) for effect, part in self.parts.items())]
-        masses, alone_M = [Named("M")], self._mass([one for one in self.accelerating if one.name not in AT_JOINTS])
-        if self.parts:
-            words.append("It has no terms of its own for what acts along joints beside: these are taken off tau.")
-        if "rotor inertia" in self.parts:
-            masses.append(Named("-M_N"))
-            words.append("M_N is the share of M that rotors have.")
-        tau = law(joined(forces), times(H.T, Phi.T, W))
-        self.compared.append((tau.value, total(force.value for force in forces)))
-        self.compared.append((law(joined(masses), times(H.T, Phi.T, mass, Phi, H)).value, alone_M.value))
-        grids = [Equation(left, grid=grid) for left, grid in (("Gamma", names), ("Phi", reach))]
-        J = times(Phi, H)
-        rows_of_J = [Equation(body.name("J"), J.value[6 * k : 6 * k + 6]) for k, body in enumerate(self.bodies)]
-        parts += [
-            Part("All bodies", grids),
-            Part(f"The rows of J = {J.name} of each body: its Jacobian", rows_of_J),
-        ]
-        return Step("The recursive order formulation", words, general, parts)
+        rotors = "rotor inertia" in self.parts
+        more = ["What acts along joints beside is no part of it, and taken off tau."] * bool(self.parts)
+        more += ["M_N is the share of M that rotors have."] * rotors
+        tau = law(joined(forces), times(h.T, Phi.T, W))
+        M_of_bodies = law("M - M_N" if rotors else "M", times(h.T, Phi.T, B, Phi, h))
+        bodies_alone = self._mass([effect for effect in self.accelerating if effect.name not in AT_JOINTS])
+        self.compared += [(tau.value, total(x.value for x in forces)), (M_of_bodies.value, bodies_alone.value)]
+        J = times(Phi, h)
+        rows_of_J = [Equation(body.name("J"), J.value[i]) for i, body in zip(own, self.bodies, strict=True)]
+        parts.append(Part(f"The rows of J = {J.name} of each body: its Jacobian", rows_of_J))
+        self._add("The recursive order formulation", parts, general, more)
+
+
+def _grids(bodies: Sequence[_Body]) -> list[Equation]:
+    """Gamma and Phi by names of their blocks: on the way to a body each that is passed stands in a product."""
+    Gamma, Phi = ([["0"] * len(bodies) for _ in bodies] for _ in range(2))
+    for k, body in enumerate(bodies):
+        if body.parent in bodies:
+            j, A = bodies.index(body.parent), body.name("A")
+            Gamma[k][j], Phi[k] = A, ["0" if x == "0" else f"{A} {x}".removesuffix(" 1") for x in Phi[j]]
+        Phi[k][k] = "1"
+    return [Equation("Gamma", grid=Gamma), Equation("Phi", grid=Phi)]
 
 
 def _inverse(a: Named) -> Named:
@@ -738,24 +734,23 @@ def _state(model: Model, scene: Scene, at: Values, qd: Values, qdd: Values) -> S
     return q, speeds, accelerations
 
 
-def _written(lettered: Lettered, state: State | None, known: list[str] | None) -> tuple[Step, ...]:
+def _written(lettered: Lettered, state: State | None, known: list[str] | None) -> Sequence[Step]:
     """Return all steps in SymPy expressions; TooLargeError where they are to be written out, without `known`, and are
     too long."""
     found: list[_Solution] = []
+    values: list[Any] = []
 
-    def outputs(tape: Tape) -> list[Scalar]:
+    def collected(value: Any) -> Any:
+        values.append(np.asarray(value, dtype=object))
+        return value
+
+    def outputs(tape: Tape) -> Iterator[Scalar]:
         found.append(_Solution(lettered, state, tape, known))
-        values: list[Scalar] = []
-
-        def collect(value: Any) -> Any:
-            values.extend(np.ravel(np.asarray(value, dtype=object)))
-            return value
-
-        for equation in found[0].equations:
+        for equation in _equations(found[0]):
             if state is not None:
                 _settle(equation)
-            equation.change(collect)
-        return values
+            equation.change(collected)
+        return (x for value in values for x in value.ravel())
 
     program, symbol = trace(outputs), module().Symbol
     for source, names in ((KNOWN, known or ()), (REACTIONS, found[0].reactions)):
@@ -763,15 +758,17 @@ def _written(lettered: Lettered, state: State | None, known: list[str] | None) -
     distinct = lettered.written(program.distinct, longest=LONGEST if known is None else np.inf)
     entries = iter([distinct[k] for k in program.homes])
 
-    def written(array: Any) -> Any:
-        out = np.empty(np.shape(array), dtype=object)
-        for index in np.ndindex(out.shape):
-            out[index] = next(entries)
-        return out if out.shape else out.item()
+    def written(value: Any) -> Any:
+        out = np.array([next(entries) for _ in range(np.size(value))], dtype=object)
+        return out.reshape(np.shape(value)) if np.ndim(value) else out[0]
 
-    for equation in found[0].equations:
+    for equation in _equations(found[0]):
         equation.change(written)
-    return tuple(found[0].steps)
+    return found[0].steps
+
+
+def _equations(found: _Solution) -> Iterator[Equation]:
+    return (equation for step in found.steps for part in step.parts for equation in part.equations)
 
 
 def _settle(equation: Equation) -> None:
@@ -785,23 +782,22 @@ def _settle(equation: Equation) -> None:
 def _agreement(lettered: Lettered, state: State | None) -> list[str]:
     """Return in words how the pairs that are compared come out: as formulas, else in numbers."""
 
-    def outputs(tape: Tape) -> Iterator[Scalar]:
+    def outputs(tape: Tape) -> list[Scalar]:
         pairs = _Solution(lettered, state, tape, None).compared
-        for some in ([a - b for a, b in pairs], [b for _, b in pairs]):
-            yield from (x for array in some for x in np.ravel(array))
+        return [x for array in (*(a - b for a, b in pairs), *(b for _, b in pairs)) for x in np.ravel(array)]
 
     program, n = trace(outputs), lettered.plan.model.n
     if state is None:
         with suppress(TooLargeError):
-            half = replace(program, outputs=program.outputs[: n * (n + 2)])
-            if not any(Forms(lettered.symbols, COMPARED).outputs(half)):
+            differences = replace(program, outputs=program.outputs[: n * (n + 2)])
+            if not any(Forms(lettered.symbols, COMPARED).outputs(differences)):
                 return ["are the same: every difference vanishes, term by term"] * 3
     values = np.array([letter.value for letter in lettered.letters])
     widths = {"q": lettered.plan.model.nq, "qd": n, "qdd": n, LETTERS: len(values)}
     states = {source: np.random.default_rng(0).uniform(-2.0, 2.0, (STATES, k)) for source, k in widths.items()}
     states[LETTERS] = np.tile(values, (STATES, 1))
     out = np.abs(NumpyBlocks(program, widths)(states, STATES)).max(axis=0)
-    *differences, drives, forces, masses = (part.max() for part in np.split(out, np.cumsum([n, n, n * n] * 2)[:-1]))
-    off = [x / (scale or 1.0) for x, scale in zip(differences, (drives, forces, masses), strict=True)]
+    largest = [part.max() for part in np.split(out, np.cumsum([n, n, n * n] * 2)[:-1])]
+    off = [x / (scale or 1.0) for x, scale in zip(largest[:3], largest[3:], strict=True)]
     where = f" at {STATES} random states" if state is None else ""
     return [f"differ{where} by {'less than 1e-12' if x <= 1e-12 else f'{x:.0e}'} of the largest" for x in off]

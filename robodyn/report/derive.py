@@ -189,8 +189,10 @@ def _laws(step: Step) -> Section:
     """Return the general laws of a step."""
     general = "In general, for body i on body j" * any("_i" in law for law in step.laws)
     general += ", which carries bodies k" * any("_k" in law for law in step.laws)
-    laws = [re.split(" = | [|] ", law) for law in step.laws]
-    found = _formula([[Row(*map(style.name, law[:2]), *law[2:]) for law in laws] for style in STYLES])
+    laws = [(*re.split(" = | [|] ", law), "")[:3] for law in step.laws]
+    found = _formula(
+        [[Row(style.name(left), style.name(right), word) for left, right, word in laws] for style in STYLES]
+    )
     return [*([Paragraph(f"{general}:")] if general else []), found]
 
 
