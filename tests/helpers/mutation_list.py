@@ -338,7 +338,7 @@ PIECES = {
     ("equations/test_derive.py", "equations/derive.py"): [
         ("times(TWO, b.R.T, j.w)", "times(b.R.T, j.w)"),
         ("across(k.p - self.r, times(k.R, k.F))", "across(k.p, times(k.R, k.F))"),
-        ('"Hd": lambda b, j: [times(b.I, b.wd), across(b.w, b.H)]', '"Hd": lambda b, j: [times(b.I, b.wd)]'),
+        ("[times(b.I, b.wd), across(b.w, b.H)]", "[times(b.I, b.wd)]"),
         ("X[i] = X[i] - X[j] * x", "X[i] = X[i] + X[j] * x"),
         ("times(b.e.T, b.M if b.turns else b.F)", "times(b.e.T, b.M)"),
         ("b.value[i] = [*M, *F]", "b.value[i] = [*F, *M]"),
