@@ -541,10 +541,9 @@ class _Solution:
 
     def _mass(self, effects: Sequence[Effect]) -> Named:
         """M of effects: the forces for one unit acceleration at a time."""
-        n, columns = self.model.n, []
-        for k in range(n):
-            moving = replace(self.sample, qd=(0.0,) * n, qdd=tuple(float(k == other) for other in range(n)))
-            columns.append(loads(moving, applied(effects, moving, self.scene)).tau)
+        still = replace(self.sample, qd=(0.0,) * self.model.n)
+        moving = [replace(still, qdd=tuple(unit)) for unit in np.eye(self.model.n).tolist()]
+        columns = [loads(sample, applied(effects, sample, self.scene)).tau for sample in moving]
         return Named("M", np.array(columns, dtype=object).T)
 
     def _ode(self) -> None:
@@ -664,10 +663,13 @@ def derive(
 ) -> Derivation:
     """Return the worked solution: as formulas, or in numbers where at, qd or qdd is given (what is not is zero).
 
+    All values are SymPy expressions: `derive(model).steps[8].parts[0].equations[0].total` is the torque of the first
+    drive, whose `terms` have a name and a value each.
+
     Args:
         at, qd, qdd: of the joints, in order or by name [rad or m, per s, per s^2]. A base that moves stands upright at
             rest, and accelerates as its six equations demand.
-        kinds: of numbers that become letters, of `letters.KINDS`. positive: names of symbols that are.
+        kinds: of numbers that become letters: m, l, c, I, g. positive: names of letters that SymPy takes to be.
 
     Raises:
         InputError: there are no equations, or too many coordinates for formulas; SceneError: the scene has loops,
