@@ -134,9 +134,9 @@ class Step(NamedTuple):
     """words: what is done, and why. laws: in general, of body i on body j, which carries bodies k. counts: a table."""
 
     title: str
-    words: Sequence[str]
-    laws: Sequence[str] = ()
     parts: Sequence[Part] = ()
+    laws: Sequence[str] = ()
+    words: Sequence[str] = ()
     counts: Sequence[Sequence[str]] = ()
 
 
@@ -396,7 +396,7 @@ class _Solution:
         self._recursion("Accelerations, from the base outwards", ACCELERATIONS)
         self._recursion("Momenta and their rates", MOMENTA)
         self._free_bodies()
-        self._add("Euler's laws of each body", self._worked_out(self.bodies, LAWS, find=False), laws(LAWS))
+        self._add(Step("Euler's laws of each body", self._worked_out(self.bodies, LAWS, find=False), laws(LAWS)))
         self._system()
         self.bodies.reverse()
         self._recursion("Elimination, from the tips to the base", ELIMINATION)
@@ -405,19 +405,13 @@ class _Solution:
         self._ode()
         self._order_formulation()
 
-    def _add(
-        self,
-        title: str,
-        parts: Sequence[Part],
-        general: Sequence[str] = (),
-        more: Iterable[str] = (),
-        counts: Sequence[Sequence[str]] = (),
-    ) -> None:
+    def _add(self, step: Step) -> None:
+        """Add a step, with what is said of every robot before its words."""
         words = dict(text.split(": ", 1) for text in WORDS.split("\n\n"))
-        self.steps.append(Step(title, [" ".join(words[title].split()), *more], general, parts, counts))
+        self.steps.append(step._replace(words=[" ".join(words[step.title].split()), *step.words]))
 
     def _recursion(self, title: str, rules: Rules) -> None:
-        self._add(title, self._worked_out(self.bodies, rules), laws(rules))
+        self._add(Step(title, self._worked_out(self.bodies, rules), laws(rules)))
 
     def _frames(self) -> None:
         parts = [] if self.model.floating else [Part("Ground", [Equation("g_0", self.ground.g.value)])]
@@ -425,7 +419,7 @@ class _Solution:
             follows = body.joint is not None and body.joint.mimics is not None
             letters = [*("q" * follows), *("" if body.free else "Rpe"), *"mrI"]
             parts.append(Part(body.title, [Equation(body.name(x), body.known[x].value) for x in letters]))
-        self._add("Frames, coordinates and what is known", parts)
+        self._add(Step("Frames, coordinates and what is known", parts))
 
     def _worked_out(self, bodies: Iterable[_Body], rules: Rules, find: bool = True) -> list[Part]:
         """Apply rules to bodies in their order, which finds what stands on the left, or with find=False is a law that
@@ -482,7 +476,7 @@ class _Solution:
             rows.append((body.label, freedom, str(len(body.held)), ", ".join(body.held) or "-", along))
         held = sum(len(body.held) for body in self.bodies)
         rows.append(("together", str(self.model.n), str(held), "", ""))
-        self._add("Free bodies", parts, laws(GRAVITY), counts=rows)
+        self._add(Step("Free bodies", parts, laws(GRAVITY), counts=rows))
 
     def _system(self) -> None:
         """Count equations and unknowns of the laws of all bodies."""
@@ -507,7 +501,7 @@ class _Solution:
                 f"{count(followers, 'joint')} that follow others: what acts along them is the force of the coupling, "
                 "which the drive of the joint that leads has to give."
             )
-        self._add("The differential-algebraic equations", (), (), words, rows)
+        self._add(Step("The differential-algebraic equations", (), (), words, rows))
 
     def _drives(self) -> None:
         """Find tau, the generalized forces by rate, and the part of each effect that acts along joints."""
@@ -537,7 +531,7 @@ class _Solution:
         general += [f"{law} | where it slides" for law in laws(DRIVES, turns=False)]
         base = "Nothing holds the base: F_0 and M_0 vanish. These are the six equations of its motion."
         found = [equations[rate] for rate in sorted(equations)]
-        self._add("The drives", [Part("", found)], general, [base] * self.model.floating)
+        self._add(Step("The drives", [Part("", found)], general, [base] * self.model.floating))
 
     def _mass(self, effects: Sequence[Effect]) -> Named:
         """M of effects: the forces for one unit acceleration at a time."""
@@ -569,7 +563,7 @@ class _Solution:
         self.compared.append((total(term.value for term in terms), self.tau))
         base = "Rows 1 to 3 are the components of M_0, rows 4 to 6 those of F_0; on the right they are zero."
         law = f"{joined(terms)} = tau"
-        self._add("The ordinary differential equations", parts, [law], [base] * self.model.floating)
+        self._add(Step("The ordinary differential equations", parts, [law], [base] * self.model.floating))
 
     def _order_formulation(self) -> None:
         """Stack the recursions of all bodies, each in its own axes."""
@@ -623,7 +617,7 @@ class _Solution:
         J = times(Phi, h)
         rows_of_J = [Equation(body.name("J"), J.value[i]) for i, body in zip(own, self.bodies, strict=True)]
         parts.append(Part(f"The rows of J = {J.name} of each body: its Jacobian", rows_of_J))
-        self._add("The recursive order formulation", parts, general, more)
+        self._add(Step("The recursive order formulation", parts, general, more))
 
 
 def _grids(bodies: Sequence[_Body]) -> list[Equation]:
