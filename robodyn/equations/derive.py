@@ -345,6 +345,9 @@ Euler's laws of each body: Euler's first law: the momentum changes by the sum of
 angular momentum about the mass centre changes by the sum of the moments about it. The unknown reactions stand in them.
 
 The differential-algebraic equations: The laws of all bodies are a system of differential and algebraic equations (DAE).
+Its differential unknowns are the coordinates, of which second derivatives stand in it. Its algebraic unknowns are the
+reactions, of which no derivative does. Where the motion of the joints is given it is linear and algebraic; where the
+drives are given, the accelerations are unknown in their place.
 
 Elimination, from the tips to the base: A body at a tip carries nothing: its laws hold no reactions but those of its own
 joint, and are solved for them. They are then known in the laws of the body before, and so on to the base.
@@ -489,13 +492,8 @@ class _Solution:
         unknowns = [f"{5 * joints} reactions", f"{joints} along joints"] if joints else []
         unknowns += ["6 accelerations of the base"] if self.model.floating else []
         rows.append(("together", str(6 * n), ", ".join(unknowns)))
-        words = [
-            f"Its differential unknowns are the {self.model.n} coordinates, of which second derivatives stand in it. "
-            f"Its algebraic unknowns are the {5 * joints} reactions, of which no derivative does.",
-            f"Where the motion is given: 6 x {count(n, 'body', 'bodies')} = {6 * n} equations for "
-            f"{' + '.join(unknowns)}, linear and algebraic. Where the drives are given, the accelerations are unknown "
-            "in their place.",
-        ]
+        equations = f"6 x {count(n, 'body', 'bodies')} = {6 * n} equations for {' + '.join(unknowns)}"
+        words = [f"There are {count(self.model.n, 'coordinate')} and, where the motion of the joints is given, {equations}."]
         if followers := sum(body.joint.mimics is not None for body in self.model.bodies):
             words.append(
                 f"{count(followers, 'joint')} that follow others: what acts along them is the force of the coupling, "
