@@ -493,7 +493,9 @@ class _Solution:
         unknowns += ["6 accelerations of the base"] if self.model.floating else []
         rows.append(("together", str(6 * n), ", ".join(unknowns)))
         equations = f"6 x {count(n, 'body', 'bodies')} = {6 * n} equations for {' + '.join(unknowns)}"
-        words = [f"There are {count(self.model.n, 'coordinate')} and, where the motion of the joints is given, {equations}."]
+        words = [
+            f"There are {count(self.model.n, 'coordinate')} and, where the motion of the joints is given, {equations}."
+        ]
         if followers := sum(body.joint.mimics is not None for body in self.model.bodies):
             words.append(
                 f"{count(followers, 'joint')} that follow others: what acts along them is the force of the coupling, "
