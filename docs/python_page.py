@@ -27,6 +27,7 @@ TOPICS = {
         "jacobian",
         "free_bodies",
         "dae",
+        "derive",
     ),
     "Differentiate": (
         "inverse_dynamics_derivatives",

@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from robodyn.dynamics.momenta import momenta as momenta
     from robodyn.dynamics.regressor import regressor as regressor
     from robodyn.equations.dae.dae import dae as dae
+    from robodyn.equations.derive import derive as derive
     from robodyn.equations.export.export import export as export
     from robodyn.equations.free_body.bodies import free_bodies as free_bodies
     from robodyn.equations.linearized.linearize import linearize as linearize
@@ -96,6 +97,7 @@ _HOMES = {
     "dynamics.momenta": ("centre_of_mass", "forward_kinematics", "jacobian", "momenta"),
     "dynamics.regressor": ("regressor",),
     "equations.dae.dae": ("dae",),
+    "equations.derive": ("derive",),
     "equations.export.export": ("export",),
     "equations.free_body.bodies": ("free_bodies",),
     "equations.linearized.linearize": ("linearize",),

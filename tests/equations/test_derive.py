@@ -9,14 +9,17 @@ import numpy as np
 import pytest
 from helpers.latex_reader import Names, Reader, equations
 from helpers.oracles import ROBOTS, robot
+from helpers.small_robots import random_tree
 
 import robodyn
+from robodyn.dynamics.recursions.newton_euler import along_joint, euler, newton_euler
 from robodyn.equations.derive import derive
 from robodyn.equations.letters import KINDS
 from robodyn.errors import InputError, SceneError
 from robodyn.report.derive import derive_latex, derive_page, derive_sections
 from robodyn.report.document import Formula, text
 from robodyn.report.renderers.pages import html
+from robodyn.robot.kinematics import acceleration_of_point, accelerations, motions, poses, velocities
 
 
 @cache
@@ -186,6 +189,66 @@ def test_lines_that_use_what_earlier_lines_define_hold_too(monkeypatch):
     assert checked(derive_latex(found), names) > 120
 
 
+def of_every_body(model, q, qd, qdd, g):
+    """Of each body, by letters: what kinematics.py and newton_euler.py find."""
+    joints = motions(model, q, qd, qdd)
+    inertias = [body.inertia for body in model.bodies]
+    moving = zip(velocities(model.parents, joints), accelerations(model.parents, joints), strict=True)
+    felt = newton_euler(model.parents, joints, inertias, g)
+    turned = [pose.R for pose in poses(model.parents, joints)]
+    out = []
+    for body, joint, ((w, v), (wd, a)), (F, M), R in zip(model.bodies, joints, moving, felt, turned, strict=True):
+        m, r, I = body.inertia.m, body.inertia.centre_of_mass, body.inertia.about_centre
+        v_c, a_c = v + np.cross(w, r), acceleration_of_point(a, r, w, wd)
+        one = {"w": w, "v": v, "wd": wd, "a": a, "v_c": v_c, "a_c": a_c, "F": F, "M": M, "g": R.T @ g}
+        one |= {"m": m, "r": r, "I": I, "P": m * v_c, "H": I @ w, "Pd": m * a_c, "Hd": euler(I, w, wd)}
+        one |= {"R": joint.R, "p": joint.p, "turns": body.joint.kind == "revolute"}
+        if body.joint.kind in ("revolute", "prismatic"):
+            one |= {"e": body.joint.axis, "qd": qd[body.joint.rate], "qdd": qdd[body.joint.rate]}
+            one["tau"] = along_joint(body.joint, felt[len(out)])
+        out.append({letter: np.asarray(x, dtype=float) for letter, x in one.items()})
+    return out
+
+
+def named(one, label):
+    return {f"{letter}{label if letter.endswith('_c') else '_' + label}": x for letter, x in one.items()}
+
+
+GENERAL = [sides for sides in equations(derive_latex(derive(robot("two_link_planar")))) if sides[0][-2:] == "i}"]
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_general_laws_and_their_terms_are_the_recursions_of_the_dynamics(seed):
+    model = random_tree(seed, n=5, moving_base=seed % 2 == 1, kinds=("revolute", "prismatic"))
+    rng, g = np.random.default_rng(seed), np.array([1.0, -2.0, -9.0])
+    q, qd, qdd = rng.uniform(-2.0, 2.0, model.nq), *rng.uniform(-2.0, 2.0, (2, model.n))
+    found = of_every_body(model, q, qd, qdd, g)
+    sizes = {letter: max(np.abs(one[letter]).max() for one in found[1:]) for letter in found[-1]}
+    none = {letter: 0.0 * x for letter, x in named(found[-1], "k").items()}
+    count = 0
+    for i, own in enumerate(found[1:], 1):
+        carried = [named(found[k], "k") for k in range(len(found)) if model.parents[k] == i] or [none]
+        for left, right in GENERAL:
+            letter = re.sub(r"_\{(c?)i\}", lambda index: "_c" * bool(index[1]), left)
+            letter = re.sub(r"\\dot\{(\\?\w+)\}", r"\1d", letter).replace(r"\omega", "w").lstrip("\\")
+            along = letter not in ("w", "wd", "v", "a") or own["turns"] == (letter[0] == "w")
+            if letter == "tau" and ("M" in right) != own["turns"]:
+                continue
+            names = Names(named(found[model.parents[i]], "j") | named(own, "i") | {"carried": carried})
+            names |= {"qd_i": own["qd"] * along, "qdd_i": own["qdd"] * along}
+            off = np.abs(Reader(right, names).value() - own[letter]).max()
+            assert off <= 1e-13 * sizes[letter], f"{left} = {right} of body {i}"
+            count += 1
+    assert count == 16 * 5
+    if not model.floating:
+        steps = derive(model, robodyn.Scene(gravity=tuple(g)), at=q, qd=qd, qdd=qdd).steps
+        values = {x.left: x.total for step in (*steps[1:4], *steps[7:9]) for part in step.parts for x in part.equations}
+        for i, own in enumerate(found[1:], 1):
+            for letter in ("w", "v", "v_c", "wd", "a", "a_c", "P", "H", "Pd", "Hd", "F", "M", "tau"):
+                value = np.array(values[f"{letter}{'' if letter[-2:] == '_c' else '_'}{i}"], dtype=float)
+                assert np.abs(value - own[letter]).max() <= 1e-13 * sizes[letter]
+
+
 def test_the_checker_sees_what_is_wrong():
     model = robot("two_link_planar")
     found = in_letters("two_link_planar")
@@ -228,7 +291,8 @@ def test_a_base_that_moves():
     model = robot("satellite", moving_base=True)
     steps = derive(model, kinds=KINDS).steps
     assert steps[4].counts[1][1:3] == ("6", "0")
-    assert steps[6].counts[-1][:2] == ("together", "18")
+    assert steps[6].counts[1][2].startswith("wd_x, wd_y, wd_z, a_x, a_y, a_z, F_1x")
+    assert steps[6].counts[-1] == ("together", "18", "10 reactions, 2 along joints, 6 accelerations of the base")
     assert "every difference vanishes" in steps[-1].parts[-1].words
     numbers = derive(model, at=[0.3, -0.2], qd=[1.0, 0.5], qdd=[0.2, 0.1]).steps
     base = {x.left: np.array(x.total, dtype=float) for x in numbers[7].parts[-1].equations}
@@ -236,11 +300,20 @@ def test_a_base_that_moves():
 
 
 def test_friction_and_couplings_are_terms_of_the_drives():
-    latex = derive_latex(derive(robot("gripper")))
-    assert r"\text{(viscous friction)}" in latex
-    steps = derive(robot("gripper"), kinds=KINDS).steps
-    assert any("follow others" in line for line in steps[6].words)
-    assert "every difference vanishes" in steps[9].parts[-1].words
+    found = derive(robot("gripper"), robodyn.load_scene(ROBOTS / "gripper.toml"), kinds=KINDS)
+    assert r"\text{(viscous friction)}" in derive_latex(found)
+    *_, ode, order = found.steps
+    assert any("follow others" in line for line in found.steps[6].words)
+    assert ode.laws == ["M qdd + G + C + D + K + S = tau"]
+    assert order.laws[-2:] == ["tau - D - K - N - S = h^T Phi^T W", "M - M_N = h^T Phi^T B Phi h"]
+    assert [step.parts[-1].words.count("every difference vanishes") for step in (ode, order)] == [1, 2]
+
+
+def test_long_lines_go_on_below():
+    found = derive(robot("rigid_body", moving_base=True), kinds=KINDS)
+    lines = text(derive_sections(found)).splitlines()
+    assert not any("\\n" in line for line in lines)
+    assert max(len(line) for line in lines if " = " in line and "[ " not in line) <= 120
 
 
 def test_what_is_no_part_of_it_is_refused():

@@ -136,6 +136,10 @@ class Reader:
             found = found / self.braced()
         elif token == r"\begin{pmatrix}":
             found = self.matrix()
+        elif token == r"\sum":
+            self.take("_")
+            self.group()
+            return self.summed()
         elif token in (r"\cos", r"\sin"):
             found = getattr(np, token[1:])(self.factor())
         elif token[0].isdigit():
@@ -157,6 +161,15 @@ class Reader:
             index = self.group()
             found = found["xyz".index(index)] if index in "xyz" else found[int(index) - 1]
         return self.raised(found)
+
+    def summed(self):
+        """The sum of what follows over the names of each that is carried, where at least one is."""
+        names, start, found = self.names, self.k, 0.0
+        for one in names["carried"]:
+            self.k, self.names = start, Names(names | one)
+            found = found + self.product()
+        self.names = names
+        return found
 
     def braced(self):
         self.take("{")

@@ -340,6 +340,9 @@ PIECES = {
         ("across(k.p - self.r, times(k.R, k.F))", "across(k.p, times(k.R, k.F))"),
         ("[times(b.I, b.wd), across(b.w, b.H)]", "[times(b.I, b.wd)]"),
         ("X[i] = X[i] - X[j] * x", "X[i] = X[i] + X[j] * x"),
+        ("times(b.e.T, b.M if b.turns else b.F)", "times(b.e.T, b.M)"),
+        ("b.value[i] = [*M, *F]", "b.value[i] = [*F, *M]"),
+        ("-Named(AT_JOINTS[effect], part)", "Named(AT_JOINTS[effect], part)"),
     ],
     ("equations/linearized/test_linearize.py", "equations/linearized/linearize.py"): [
         ("given.dq + np.diag(robot.drives.kp)", "given.dq"),
