@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from robodyn.report.document import Facts, Heading, Paragraph, Section, Table, paragraphs, remarks
-from robodyn.report.table import is_noise, number, point_text, printable
+from robodyn.report.table import NOISE, is_noise, number, point_text, printable
 from robodyn.solids.inertia.properties import MassProperties, View
 from robodyn.solids.inertia.validity import Validity, validity
 from robodyn.solids.mass_properties import Part
-from robodyn.support.floats import ranked
+from robodyn.support.floats import Floats, ranked
 from robodyn.support.wording import count
 
 if TYPE_CHECKING:
@@ -70,10 +70,16 @@ def inertia_tables(body: MassProperties, view: View) -> Iterator[Section]:
     rows = [(AXES[i], *(number(x, scale) for x in matrix[i])) for i in range(3)]
     yield [Table(f"Inertia {view.words} [kg m^2]", ("", *AXES), rows)]
     principal = body.principal
-    rows = [(str(k + 1), number(principal.moments[k]), *(f"{x:.6f}" for x in principal.axes[k])) for k in range(3)]
+    moments, axes = certain(principal.moments), principal.axes.round(6) + 0.0
+    rows = [(str(k + 1), number(moments[k]), *(f"{x:.6f}" for x in axes[k])) for k in range(3)]
     head = ("", "moment [kg m^2]", *(f"axis {name}" for name in AXES))
-    moments = Table("Principal moments about the centre of mass", head, rows)
-    yield [moments, *paragraphs([principal.remark] if principal.remark else [])]
+    table = Table("Principal moments about the centre of mass", head, rows)
+    yield [table, *paragraphs([principal.remark] if principal.remark else [])]
+
+
+def certain(moments: Floats) -> Floats:
+    """Return principal moments, 0 for those that rounding alone may have made."""
+    return np.where(np.abs(moments) <= NOISE * np.abs(moments).max(), 0.0, moments)
 
 
 def _symmetry(part: Part, reach: float) -> Section:
@@ -162,7 +168,7 @@ def robot_sections(
     what = f"{found.massive} of {count(found.count, 'link')} with mass, in the frame of {_frame(found.frame)}"
     who = "links " + ", ".join(printable(link.name) for link in found.links) + ", " if found.composite else ""
     yield paragraphs([f"{printable(found.file)}: robot '{printable(found.name)}', {who}{what}", f"at {at}"])
-    slack = [f"{link.validity.slack:.3f}" for link in found.links]
+    slack = [f"{round(link.validity.slack, 3) + 0.0:.3f}" for link in found.links]
     yield [_by_mass("link", [link.name for link in found.links], placed, found.body, reach, slack)]
     yield [amounts(found.body, reach)]
     yield from inertia_tables(found.body, view)
@@ -349,8 +355,9 @@ def _checked(checked: Checked) -> str:
 
 def _physical(found: Validity, which: str = "") -> str:
     """Return the verdict with its margin: I_1 + I_2 - I_3 over the largest moment, twice the least second moment."""
-    small, middle, large = (number(moment) for moment in found.moments)
-    margin = f"I_1 + I_2 - I_3 = {small} + {middle} - {large} kg m^2, {found.slack:.4f} of the largest"
+    small, middle, large = map(number, certain(found.moments))
+    slack = round(found.slack, 4) + 0.0
+    margin = f"I_1 + I_2 - I_3 = {small} + {middle} - {large} kg m^2, {slack:.4f} of the largest"
     if found.faults:
         return f"not physical{which}: {'; '.join(found.faults)} ({margin})"
     return f"physical{which}: no second moment is negative ({margin})"

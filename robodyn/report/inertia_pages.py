@@ -368,14 +368,14 @@ def _axes(bodies: Sequence[tuple[MassProperties, float]]) -> list[dict[str, Any]
     marks = []
     for k, colour in enumerate(("bad", "good", "c1")):
         axes = [(body, 1.4 * reach * body.principal.axes[k]) for body, reach in bodies]
-        moment = f": {number(bodies[0][0].principal.moments[k])} kg m^2" if len(bodies) == 1 else ""
+        moment = f": {number(words.certain(bodies[0][0].principal.moments)[k])} kg m^2" if len(bodies) == 1 else ""
         lines = [(body.com - 0.5 * axis, axis, 0.003 * float(np.linalg.norm(axis))) for body, axis in axes]
         marks.append(stage.mark(f"principal axis {k + 1}{moment}", colour, lines))
     return marks
 
 
 def _moments(moments: Array) -> str:
-    return f"{', '.join(map(number, moments))} kg m^2"
+    return f"{', '.join(map(number, words.certain(moments)))} kg m^2"
 
 
 def _possible(body: MassProperties, doubts: Sequence[str], checked: Checked | None = None) -> doc.Verdict:
