@@ -158,7 +158,6 @@ def robot_sections(
     checked: Checked,
     shares: Composite,
     terms: bool = False,
-    momentum: bool = False,
 ) -> Iterator[Section]:
     """Yield links by mass, the robot or some links at a configuration, shares term by term and momenta where these are
     asked for, and what a check says of the robot."""
@@ -172,15 +171,14 @@ def robot_sections(
     yield [_by_mass("link", [link.name for link in found.links], placed, found.body, reach, slack)]
     yield [amounts(found.body, reach)]
     yield from inertia_tables(found.body, view)
-    point, matrix = view.inertia(found.body)
+    _, matrix = view.inertia(found.body)
     scale = float(np.abs(matrix).max())
-    turn = _axes_of(view).T
-    away, places = turn @ (found.body.com - point), [number(x, reach) for x in turn @ point]
     gone = np.vectorize(lambda x: is_noise(abs(x), scale))(matrix)
-    yield paragraphs(vanishing(gone, [is_noise(abs(x), reach) for x in away], places))
+    through = [is_noise(abs(x), reach * found.body.mass) for x in shares.first]
+    yield paragraphs(vanishing(gone, through, [number(x, reach) for x in shares.place]))
     if terms:
         yield [_terms(shares, view)]
-    if momentum:
+    if shares.momentum:
         yield [_momenta(shares, view)]
     verdicts = [_physical(validity(found.body), " as a whole"), _checked(checked)]
     yield [*paragraphs(verdicts), *remarks("warning", found.warnings)]
@@ -205,36 +203,28 @@ def vanishing(zero: Any, through: Sequence[bool], places: Sequence[str]) -> list
     return lines
 
 
-def letters_sections(
-    description: Description, found: Composite, view: View, frame: str, momentum: bool, write: Any
-) -> Iterator[Section]:
-    """Yield what bodies in letters make together, and each by itself; `write` writes an expression."""
-    bodies, whole = ", ".join(printable(body.name) for body in found.bodies), found.whole
+def letters_sections(description: Description, found: Composite, view: View) -> Iterator[Section]:
+    """Yield what bodies in letters make together, and each by itself."""
+    from robodyn.report.renderers.letters import text_of
+
+    bodies, whole = ", ".join(map(printable, found.names)), found.whole
     what = f"{printable(description.file)}: robot '{printable(description.name)}', bodies {bodies}, in the frame of"
     legend = [f"q_{k}: joint {printable(joint)}" for k, joint in found.joints]
-    legend = [", ".join([*legend, "c_1 = cos q_1, s_12 = sin(q_1 + q_2)"])] if legend else []
-    yield paragraphs([f"{what} {_frame(frame)}", *legend])
+    legend = [", ".join([*legend, "c_1 = cos q_1, s_12 = sin(q_1 + q_2), s_11 = sin(2 q_1)"])] if legend else []
+    yield paragraphs([f"{what} {_frame(found.frame)}", *legend])
     rows = [(letter.name, f"{letter.value:.6g}", letter.meaning) for letter in found.letters]
     if rows:
         yield [Table("Letters", ("", "value", ""), rows)]
-    yield [Heading("Mass and mass centre"), *paragraphs([f"m = {write(whole.m)}", *_entries("c", whole.c, write)])]
-    turn = _axes_of(view).T
-    through = [x == 0 or x.simplify() == 0 for x in turn @ (whole.c - found.point)]
-    gone = vanishing(whole.inertia == 0, through, [write(x + 0) for x in turn @ found.point])
-    yield [Heading(f"Inertia {view.words}"), *paragraphs([*_entries("I", whole.inertia, write), *gone])]
-    if momentum:
-        lines = [*_entries("P", whole.P, write), *_entries("L", whole.L, write)]
+    yield [Heading("Mass and mass centre"), *paragraphs([f"m = {text_of(whole.m)}", *_entries("c", whole.c)])]
+    gone = vanishing(whole.inertia == 0, [x == 0 for x in found.first], list(map(text_of, found.place)))
+    yield [Heading(f"Inertia {view.words}"), *paragraphs([*_entries("I", whole.inertia), *gone])]
+    if found.momentum:
+        lines = [*_entries("P", whole.P), *_entries("L", whole.L)]
         yield [Heading(f"Linear momentum, and angular {view.words}"), *paragraphs(lines)]
-    for body in found.bodies if len(found.bodies) > 1 else ():
-        terms = [*_terms_of(body), *((("P", body.P), ("L", body.L)) if momentum else ())]
-        lines = [f"{name}: {', '.join(_entries('', values, write, short=True)) or '0'}" for name, values in terms]
+    for body in found.bodies:
+        terms = [*_terms_of(body), *((("P", body.P), ("L", body.L)) if found.momentum else ())]
+        lines = [f"{name}: {', '.join(_entries('', values)) or '0'}" for name, values in terms]
         yield [Heading(f"Share of {printable(body.name)}"), *paragraphs(lines)]
-
-
-def _axes_of(view: View) -> Any:
-    from robodyn.programs.vectors import rotation_from_rpy
-
-    return rotation_from_rpy(*view.rpy).round(15) + 0.0 if any(view.rpy) else np.eye(3, dtype=int)
 
 
 def _frame(name: str) -> str:
@@ -247,14 +237,14 @@ def _terms_of(share: Share) -> list[tuple[str, Any]]:
     return [*own, *rest]
 
 
-def _entries(name: str, values: Any, write: Any, short: bool = False) -> list[str]:
-    """Return the entries of a vector or a symmetric matrix as equations, or in short those that are not zero."""
-    if np.ndim(values) == 1:
-        entries = {AXES[i]: values[i] for i in range(3)}
-    else:
-        entries = {AXES[i] + AXES[j]: values[i, j] for i, j in ORDER}
-    index = "{}" if short else f"{name}_{{}}"
-    return [f"{index.format(key)} = {write(x)}" for key, x in entries.items() if not short or x != 0]
+def _entries(name: str, values: Any) -> list[str]:
+    """Return the entries of a vector or a symmetric matrix as equations; without a name those that are not zero."""
+    from robodyn.report.renderers.letters import text_of
+
+    entries = (
+        zip(AXES, values, strict=True) if values.ndim == 1 else ((AXES[i] + AXES[j], values[i, j]) for i, j in ORDER)
+    )
+    return [f"{name}{'_' * bool(name)}{key} = {text_of(x)}" for key, x in entries if name or x != 0]
 
 
 def _terms(found: Composite, view: View) -> Table:
