@@ -48,7 +48,7 @@ class Share:
     Attributes:
         m, c: mass [kg], mass centre in the frame [m].
         own, turned, moved, inertia: I_c in the body's axes, R I_c R^T, m (|d|^2 1 - d d^T), and their sum [kg m^2]; of
-            the whole `turned` and `moved` are the sums, and it has no axes of its own.
+            the whole `turned` and `moved` are the sums, and `own` is `turned`.
         P, L: linear [kg m/s] and angular momentum [kg m^2/s], relative to the ground.
     """
 
@@ -147,10 +147,8 @@ def in_letters(
         stand = where[at.body].after(Pose(snapped(at.R), at.p))
         found = composed(parts, frame, stand, view, momentum)
         traced.append(found if terms else replace(found, bodies=()))
-        arrays = [found.point, found.place, found.first]
-        for share in (found.whole, *traced[-1].bodies):
-            arrays += [array for array in _values(share) if array is not None]
-        return [x for array in arrays for x in np.ravel(array)]
+        shares = [value for share in (found.whole, *traced[-1].bodies) for value in _values(share)]
+        return [x for array in (found.point, found.place, found.first, *shares) for x in np.ravel(array)]
 
     try:
         written = lettered.written(lettered.program(outputs), PRODUCTS, LONGEST)
@@ -161,8 +159,6 @@ def in_letters(
     found, values = traced[-1], iter(written)
 
     def taken(array: Any) -> Any:
-        if array is None:
-            return None
         entries = np.array([next(values) for _ in range(np.size(array))], dtype=object)
         return entries.reshape(np.shape(array))[()]
 
@@ -171,8 +167,8 @@ def in_letters(
     occur = {symbol.name for entry in written for symbol in entry.free_symbols}
     letters = tuple(letter for letter in lettered.letters if letter.name in occur)
     named = [(k, body.joint.name) for k, body in enumerate(model.bodies) if {f"q_{k}", f"qd_{k}"} & occur]
-    rest = (whole, frame, point, place, first, momentum, letters, tuple(named))
-    return Composite(found.names, tuple(bodies), *rest)
+    rest = (frame, point, place, first, momentum, letters, tuple(named))
+    return Composite(found.names, tuple(bodies), whole, *rest)
 
 
 def _values(share: Share) -> list[Any]:
@@ -206,17 +202,13 @@ def composed(parts: Sequence[Part], frame: str, stand: Pose, view: View, momentu
     stands = [stand.inverse.after(part.pose) for part in parts]
     centres = [pose.R @ part.c + pose.p for part, pose in zip(parts, stands, strict=True)]
     m = sum((part.m for part in parts), 0.0)
-    first = sum((c * part.m for c, part in zip(centres, parts, strict=True)), ZERO)
-    centre = centres[0] if len(parts) == 1 else first * (1.0 / m)
+    centre = centres[0] if len(parts) == 1 else _moment(parts, centres) * (1.0 / m)
     own_point = view.about == "com"
     point = centre if own_point else np.array(ZERO if view.about == "origin" else view.about)
     shares = []
     for part, pose, c in zip(parts, stands, centres, strict=True):
-        if own_point:  # by distances between centres, in which the origin does not occur
-            others = zip(parts, centres, strict=True)
-            d = turn @ sum(((c - at) * other.m for other, at in others if other is not part), ZERO) * (1.0 / m)
-        else:
-            d = turn @ (c - point)
+        # about the mass centre by distances between centres, in which the origin does not occur
+        d = turn @ (_moment(parts, [c - other for other in centres]) * (1.0 / m) if own_point else c - point)
         R = turn @ pose.R
         turned, moved = R @ part.I_c @ R.T, _spread(d) * part.m
         w, v = part.velocity
@@ -231,12 +223,15 @@ def composed(parts: Sequence[Part], frame: str, stand: Pose, view: View, momentu
         pairs = combinations(zip(parts, centres, strict=True), 2)
         spreads = [_spread(turn @ (at - c)) * (one.m * other.m) for (one, at), (other, c) in pairs]
         moved = sum(spreads, np.zeros((3, 3))) * (1.0 / m)
-    whole = Share("whole", m, centre, None, turned, moved, turned + moved, P, L)
+    whole = Share("whole", m, centre, turned, turned, moved, turned + moved, P, L)
     names = tuple(part.name for part in parts)
-    away = (
-        ZERO if own_point else turn @ sum(((c - point) * part.m for c, part in zip(centres, parts, strict=True)), ZERO)
-    )
-    return Composite(names, tuple(shares), whole, frame, point, turn @ point, away, momentum)
+    first = ZERO if own_point else turn @ _moment(parts, [c - point for c in centres])
+    return Composite(names, tuple(shares), whole, frame, point, turn @ point, first, momentum)
+
+
+def _moment(parts: Sequence[Part], places: Sequence[Array]) -> Array:
+    """sum m_i x_i."""
+    return np.asarray(sum((x * part.m for x, part in zip(places, parts, strict=True)), ZERO))
 
 
 def _spread(d: Array) -> Array:

@@ -232,9 +232,8 @@ def _frame(name: str) -> str:
 
 
 def _terms_of(share: Share) -> list[tuple[str, Any]]:
-    own = [] if share.own is None else [("I_c, own axes", share.own)]
-    rest = [("R I_c R^T", share.turned), ("m (|d|^2 1 - d d^T)", share.moved), ("sum", share.inertia)]
-    return [*own, *rest]
+    own = [] if share.own is share.turned else [("I_c, own axes", share.own)]
+    return [*own, ("R I_c R^T", share.turned), ("m (|d|^2 1 - d d^T)", share.moved), ("sum", share.inertia)]
 
 
 def _entries(name: str, values: Any) -> list[str]:
@@ -248,11 +247,12 @@ def _entries(name: str, values: Any) -> list[str]:
 
 
 def _terms(found: Composite, view: View) -> Table:
-    rows = []
     scale = float(np.abs(found.whole.inertia).max())
-    for share in (*found.bodies, found.whole):
-        for what, matrix in _terms_of(share):
-            rows.append((printable(share.name), what, *(number(float(matrix[at]), scale) for at in ORDER)))
+    rows = [
+        (printable(share.name), what, *(number(float(matrix[at]), scale) for at in ORDER))
+        for share in (*found.bodies, found.whole)
+        for what, matrix in _terms_of(share)
+    ]
     head = ("link", "term", *(AXES[i] + AXES[j] for i, j in ORDER))
     note = "R turns the link's axes into those asked for; d leads from the point to the link's mass centre"
     return Table(f"Shares of the inertia {view.words} [kg m^2]", head, rows, note)
@@ -260,12 +260,9 @@ def _terms(found: Composite, view: View) -> Table:
 
 def _momenta(found: Composite, view: View) -> Table:
     shares = (*found.bodies, found.whole)
-    scales = [max(float(np.abs(getattr(share, name)).max()) for share in shares) for name in "PL"]
+    linear, angular = (float(np.abs([getattr(share, name) for share in shares]).max()) for name in "PL")
     rows = [
-        (
-            printable(share.name),
-            *(number(float(x), scale) for p, scale in zip((share.P, share.L), scales, strict=True) for x in p),
-        )
+        (printable(share.name), *(number(x, linear) for x in share.P), *(number(x, angular) for x in share.L))
         for share in shares
     ]
     head = ("link", *(f"P_{axis} [kg m/s]" for axis in AXES), *(f"L_{axis} [kg m^2/s]" for axis in AXES))
