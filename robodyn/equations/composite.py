@@ -16,7 +16,7 @@ from robodyn.equations.forms import TooLargeError
 from robodyn.equations.letters import KINDS, Letter, Lettered, snapped
 from robodyn.errors import InputError
 from robodyn.programs.scalar import Tape
-from robodyn.programs.vectors import IDENTITY, ZERO, Array, Scalar, cross, rotation_from_rpy
+from robodyn.programs.vectors import IDENTITY, ZERO, Array, Scalar, cross, narrowed, rotation_from_rpy
 from robodyn.robot.kinematics import REST, Pose, Velocity, configuration, motions, poses, rates, velocities
 from robodyn.robot.load import assemble
 from robodyn.robot.masses.declared import BASE, RobotInertia, named_links
@@ -98,7 +98,7 @@ def in_numbers(found: RobotInertia, description: Description, view: View, qd: An
     for link in found.links:
         body, R, p = model.links[link.name]
         w, v = moving[body]
-        velocity = Velocity(R.T @ w, R.T @ (v + cross(w, p)))
+        velocity = Velocity(*map(narrowed, (R.T @ w, R.T @ (v + cross(w, p)))))
         parts.append(Part(link.name, link.body.mass, link.body.com, link.body.inertia, link.pose, velocity))
     made = composed(parts, found.frame, found.frame_pose, view, qd is not None)
     if not np.isfinite([*made.whole.P, *made.whole.L]).all():

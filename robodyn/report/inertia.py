@@ -249,7 +249,7 @@ def _entries(name: str, values: Any) -> list[str]:
 def _terms(found: Composite, view: View) -> Table:
     scale = float(np.abs(found.whole.inertia).max())
     rows = [
-        (printable(share.name), what, *(number(float(matrix[at]), scale) for at in ORDER))
+        (printable(share.name), what, *(number(matrix[at], scale) for at in ORDER))
         for share in (*found.bodies, found.whole)
         for what, matrix in _terms_of(share)
     ]

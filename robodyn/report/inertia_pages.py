@@ -88,17 +88,13 @@ def letters_json(description: Description, found: Composite) -> str:
     return doc.written(data)
 
 
-def _floats(values: Any) -> Any:
-    return doc.encode(np.asarray(values, dtype=float))
-
-
-def _share(share: Share, momentum: bool, texts: Callable[[Any], Any] = _floats) -> dict[str, Any]:
+def _share(share: Share, momentum: bool, texts: Callable[[Any], Any] = doc.encode) -> dict[str, Any]:
     parts = {"own": share.own, "turned": share.turned, "parallel_axis": share.moved, "sum": share.inertia}
     out = {name: texts(x) for name, x in parts.items()}
     return out | ({"momentum": _momentum(share, texts)} if momentum else {})
 
 
-def _momentum(share: Share, texts: Callable[[Any], Any] = _floats) -> dict[str, Any]:
+def _momentum(share: Share, texts: Callable[[Any], Any] = doc.encode) -> dict[str, Any]:
     return {"linear": texts(share.P), "angular": texts(share.L)}
 
 

@@ -186,7 +186,7 @@ def test_momenta_are_those_of_the_robot_and_of_pinocchio(name):
         found = in_numbers(robot_inertia(given, q), given, View(about), qd).whole
         expected = robodyn.momenta(model, q, qd, about=about)
         for mine, theirs in ((found.P, expected.linear), (found.L, expected.angular), (found.c, expected.com)):
-            assert np.abs(np.asarray(mine, dtype=float) - theirs).max() <= 1e-13 * max(1.0, np.abs(theirs).max())
+            assert np.abs(np.asarray(mine) - theirs).max() <= 1e-13 * max(1.0, np.abs(theirs).max())
     c = robodyn.centre_of_mass(model, q)
     assert np.abs(c.m * c.J @ qd - expected.linear).max() <= 1e-13 * np.abs(expected.linear).max()
     assert np.abs(c.c - expected.com).max() <= 1e-14
@@ -199,8 +199,8 @@ def test_momentum_against_pinocchio():
     q, qd = np.random.default_rng(4).uniform(-1, 1, (2, model.n))
     h = pin.computeCentroidalMomentum(peer, data, q, qd)
     found = in_numbers(robot_inertia(given, q), given, View("com"), qd).whole
-    assert np.abs(np.asarray(found.P, dtype=float) - h.linear).max() <= 1e-12 * np.abs(h.linear).max()
-    assert np.abs(np.asarray(found.L, dtype=float) - h.angular).max() <= 1e-12 * np.abs(h.angular).max()
+    assert np.abs(np.asarray(found.P) - h.linear).max() <= 1e-12 * np.abs(h.linear).max()
+    assert np.abs(np.asarray(found.L) - h.angular).max() <= 1e-12 * np.abs(h.angular).max()
     J = pin.jacobianCenterOfMass(peer, data, q)
     assert np.abs(robodyn.centre_of_mass(model, q).J - J).max() <= 1e-13
 
