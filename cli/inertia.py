@@ -56,9 +56,9 @@ _VIEW = {"about", "rpy", "form", "file_type", "report", *_LOOKUP}
 _READING = {"geometry", "exact", "strict", "repair", "cavities"}
 _OF_SHAPES = {*_VIEW, *_READING, "link", "density", "mass"}
 _USES = {
-    "a whole robot": ("a URDF as a whole", {*_VIEW, "at", "qd", "links", "frame", "terms", "momentum"}),
+    "a whole robot": ("a URDF", {*_VIEW, "at", "qd", "links", "frame", "terms", "momentum"}),
     "letters": (
-        "a URDF as a whole",
+        "a URDF",
         {*_VIEW, "symbols", "links", "frame", "terms", "momentum", "moving_base"} - {"report"},
     ),
     "a link as declared": ("a URDF with --link NAME", {*_VIEW, "link"}),
@@ -270,5 +270,5 @@ def check_use(use: str) -> None:
         if not (name in _USES[use][1] if use in _USES else of_meshes):
             written = (each.secondary_opts if ctx.params.get(name) is False else each.opts)[0]
             meshes = [] if name in _OF_ROBOTS else [f"meshes{' with --combine' * (name in ('place', 'combine'))}"]
-            others = [call for call, names in _USES.values() if name in names]
+            others = dict.fromkeys(call for call, names in _USES.values() if name in names)
             refuse(f"{written} is not for {use}, but for {' or '.join([*meshes, *others])}")

@@ -23,8 +23,7 @@ from robodyn.programs.program import trace, traced
 from robodyn.programs.run.runner import Runner
 from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import IDENTITY, ZERO, Array, Scalar, cross, total, vector
-from robodyn.robot.kinematics import REST, Motion, poses, velocities
-from robodyn.robot.masses.declared import named_links
+from robodyn.robot.kinematics import REST, Motion, named_links, poses, velocities
 from robodyn.robot.model import Model
 from robodyn.scene.fit import refuse_others
 from robodyn.scene.scene import DEFAULT, Scene

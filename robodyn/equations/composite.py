@@ -17,9 +17,9 @@ from robodyn.equations.letters import KINDS, Letter, Lettered, snapped
 from robodyn.errors import InputError
 from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import IDENTITY, ZERO, Array, Scalar, cross, narrowed, rotation_from_rpy
-from robodyn.robot.kinematics import REST, Pose, Velocity, configuration, motions, poses, rates, velocities
+from robodyn.robot.kinematics import REST, Pose, Velocity, configuration, motions, named_links, poses, rates, velocities
 from robodyn.robot.load import assemble
-from robodyn.robot.masses.declared import BASE, RobotInertia, named_links
+from robodyn.robot.masses.declared import BASE, RobotInertia
 from robodyn.robot.model import Frame, Model
 from robodyn.robot.urdf.parts import Description
 from robodyn.solids.inertia.properties import View
