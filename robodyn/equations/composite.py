@@ -11,7 +11,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from robodyn.dynamics.effects.effect import Sample
-from robodyn.equations.closed import MOST_JOINTS
 from robodyn.equations.forms import TooLargeError
 from robodyn.equations.letters import KINDS, Letter, Lettered, snapped
 from robodyn.errors import InputError
@@ -124,15 +123,14 @@ def in_letters(
             moving_base: whether the base moves at w_x .. v_z, in its own axes.
 
     Raises:
-        InputError: no such link, no mass, more than six coordinates, links that are part of a body, or expressions of
-            more than 1200 terms.
+        InputError: no such link, no mass, a floating joint between bodies, links that are part of a body, or too long
+            expressions.
 
     Accuracy: with the letters' values in their place 1e-12 of `in_numbers`.
     """
     model = assemble(description, moving_base=moving_base)
-    joints = [joint for joint in model.independent[1 if model.floating else 0 :] if joint.kind != "fixed"]
-    if len(joints) > MOST_JOINTS or any(joint.kind == "floating" for joint in joints):
-        what = f"letters are for up to {MOST_JOINTS} joints of one coordinate"
+    if any(body.joint.kind == "floating" for body in model.bodies[1:]):
+        what = "a floating joint between bodies has no letters"
         raise InputError(what, remedy="--at gives numbers", file=model.file)
     chosen, lettered = _bodies(model, description, links), Lettered(model, kinds=kinds)
     of_base = frame == BASE not in model.links
