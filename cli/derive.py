@@ -24,7 +24,7 @@ from robodyn.report.derive import derive_latex, derive_page, derive_sections
     option("--format", "Default text.", ("text", "latex", "html"), "form", default="text"),
     SCENE,
 )
-def command(call: Call, urdf: str, qdd: Any, symbols: str | None, assume: tuple[str, ...]) -> None:
+def command(call: Call, urdf: str, qdd: Any, symbols: tuple[str, ...] | None, assume: tuple[str, ...]) -> None:
     """Work out the dynamics by Newton and Euler: frames, velocities, accelerations, momenta, free bodies, Euler's laws,
     the differential-algebraic equations, elimination, drives, the ordinary differential equations, and the same by the
     recursive order formulation. As formulas up to six joints, in numbers with --at.

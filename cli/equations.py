@@ -7,12 +7,12 @@ from typing import Any
 
 import click
 
+from robodyn.cli import options
 from robodyn.cli.files import check_names, robot_in_scene
 from robodyn.cli.options import AT, PATH, QD, SCENE, VALUES, Call, option, refuse_where, takes, together
 from robodyn.cli.screen import answer
 from robodyn.equations.closed import closed
 from robodyn.equations.dae.dae import dae
-from robodyn.equations.letters import KINDS
 from robodyn.equations.ode import ode
 from robodyn.errors import InputError
 from robodyn.report.dae import dae_json, dae_sections
@@ -34,19 +34,13 @@ class _Format(click.Choice):  # type: ignore[type-arg,unused-ignore]
         return super().get_invalid_choice_message(value, ctx).rstrip(".") + other
 
 
-def letters_of(symbols: str | None, assume: tuple[str, ...]) -> tuple[tuple[str, ...], list[str]]:
+def letters_of(symbols: tuple[str, ...] | None, assume: tuple[str, ...]) -> tuple[tuple[str, ...], list[str]]:
     """Return kinds of letters, and the names of those that are assumed to be positive."""
-    return tuple(kind.strip() for kind in (symbols or "").split(",") if kind.strip()), list(map(_positive, assume))
+    return symbols or (), list(map(_positive, assume))
 
 
 SYMBOLS = together(
-    click.option(
-        "--symbols",
-        metavar="[KINDS]",
-        is_flag=False,
-        flag_value=",".join(KINDS),
-        help="Formulas in letters for masses m, lengths l, centres c, inertias I, gravity g; some, as m,l, or all.",
-    ),
+    options.SYMBOLS,
     option("--assume LETTER>0*", "A letter that is positive, which SymPy may use, as l_1>0. Repeatable."),
 )
 
@@ -68,7 +62,7 @@ SYMBOLS = together(
     SCENE,
 )
 def command(
-    call: Call, urdf: str, equations: str | None, symbols: str | None, assume: tuple[str, ...], tau: Any
+    call: Call, urdf: str, equations: str | None, symbols: tuple[str, ...] | None, assume: tuple[str, ...], tau: Any
 ) -> None:
     """Derive M(q) qdd + bias = tau: in numbers at a configuration, or in closed form for small robots; and Newton's and
     Euler's laws of all bodies with constraints and reactions. A file named - is standard input.

@@ -49,22 +49,18 @@ def _place(text: str) -> Pose:
     return rotation_from_rpy(roll, pitch, yaw), np.array(numbers[:3])
 
 
-def _names(text: str) -> tuple[str, ...]:
-    names = tuple(text.split(","))
-    if not all(names):
-        raise ValueError(f"{text!r} has a name that is empty; names stand between commas, such as a,b")
-    return names
-
-
 _LOOKUP = {"package_paths", "xacro_args", "trust_xacro"}
 _OF_ROBOTS = {"link", "at", "compare", "geometry", *_LOOKUP}
-_OF_ROBOTS |= {"qd", "links", "frame", "terms", "momentum", "symbols"}
+_OF_ROBOTS |= {"qd", "links", "frame", "terms", "momentum", "symbols", "moving_base"}
 _VIEW = {"about", "rpy", "form", "file_type", "report", *_LOOKUP}
 _READING = {"geometry", "exact", "strict", "repair", "cavities"}
 _OF_SHAPES = {*_VIEW, *_READING, "link", "density", "mass"}
 _USES = {
     "a whole robot": ("a URDF", {*_VIEW, "at", "qd", "links", "frame", "terms", "momentum"}),
-    "letters": ("a URDF with --symbols", {*_VIEW, "symbols", "links", "frame", "momentum"} - {"report"}),
+    "letters": (
+        "a URDF",
+        {*_VIEW, "symbols", "links", "frame", "terms", "momentum", "moving_base"} - {"report"},
+    ),
     "a link as declared": ("a URDF with --link NAME", {*_VIEW, "link"}),
     "a link's shapes": ("a URDF with --link NAME --geometry visual", _OF_SHAPES),
     "--compare": ("a URDF with --compare", {*_READING, *_LOOKUP, "compare", "form", "file_type", "report"}),
@@ -94,14 +90,13 @@ _USES = {
     option("--place X,Y,Z[,R,P,Y]*", "For each mesh in turn, in m and rad.", Parsed("place", _place)),
     option("--link NAME", "One link, in its own frame."),
     options.AT,
-    option("--links A,B,C", "Some links as one body.", Parsed("links", _names)),
+    option("--links A,B,C", "Some links as one body.", options.NAMES),
     option("--frame LINK", "Whose frame; default base (or ground).", default="base"),
     option("--terms", "Each link's share, by rotation law and parallel axis theorem."),
     option("--momentum", "Linear momentum, and angular about the point, at --qd."),
     options.QD,
-    option(
-        "--symbols KINDS", "In letters: m,l,c,I or all.", Parsed("symbols", _names), is_flag=False, flag_value="all"
-    ),
+    options.SYMBOLS,
+    option("--moving-base", "With --symbols --momentum: the base moves, at w and v in its axes."),
     option("--compare", "Declared inertias against the links' shapes."),
     option("--geometry", "Which shapes, also for --link.", ("visual", "collision")),
     options.DESCRIPTION,
@@ -135,6 +130,7 @@ def command(
     terms: bool,
     momentum: bool,
     symbols: tuple[str, ...] | None,
+    moving_base: bool,
     compare: bool,
     geometry: Kind | None,
     about: Any,
@@ -155,10 +151,15 @@ def command(
       robodyn inertia robot.urdf --compare --package-path ~/ros/src
     """
     check_names()
-    check_form(call, symbols is not None, momentum)
+    refuse_where(
+        (call.form == "latex" and symbols is None, "--format latex is for a URDF with --symbols"),
+        (call.form == "urdf" and symbols is not None, "--format urdf is for numbers, without --symbols"),
+        (call.qd and not momentum, "--qd is for --momentum"),
+        (moving_base and not momentum, "--moving-base is for --symbols --momentum"),
+    )
     view = View(about, rpy)
     if file_type == "urdf" or any(name.lower().endswith(options.ROBOT_SUFFIXES) for name in files):
-        from robodyn.cli.inertia_robot import compared, letters, robot
+        from robodyn.cli.inertia_robot import compared, one_link, robot
         from robodyn.robot.masses.shapes import How
 
         of_robot, of_link = ("a whole robot", "letters"), ("a link as declared", "a link's shapes")
@@ -169,11 +170,11 @@ def command(
         how = How(exact=exact, repair=repair, strict=strict, cavities=cavities)
         if compare:
             return compared(call, files[0], geometry or "visual", how)
-        if symbols is not None:
-            return letters(call, files[0], view, symbols, links or (), frame, momentum)
-        rho, m = one_each(density, files, "--density")[0], one_each(mass, files, "--mass")[0]
-        body = (link, geometry, rho, m, how, links or (), frame, terms, momentum)
-        return robot(call, files[0], view, call.at or (), *body)
+        if link is not None:
+            rho, m = one_each(density, files, "--density")[0], one_each(mass, files, "--mass")[0]
+            return one_link(call, files[0], view, link, geometry, rho, m, how)
+        where = "base" if frame == "ground" else frame
+        return robot(call, files[0], view, symbols, links or (), where, terms, momentum, moving_base)
     check_use("--combine" if combine else "meshes one by one")
     if combine or call.form == "urdf":
         symmetry, tessellation = symmetry or False, tessellation or False
@@ -229,15 +230,6 @@ def command(
     return 2 if failed else 0
 
 
-def check_form(call: Call, in_letters: bool, momentum: bool) -> None:
-    """Refuse forms and velocities where they mean nothing."""
-    refuse_where(
-        (call.form == "latex" and not in_letters, "--format latex is for a URDF with --symbols"),
-        (call.form == "urdf" and in_letters, "--format urdf is for numbers, without --symbols"),
-        (call.qd and not momentum, "--qd is for --momentum"),
-    )
-
-
 def one_each(values: Sequence[T], files: Sequence[str], option: str) -> list[T | None]:
     """Return the values of an option for each file, given once for all or once for each."""
     if len(values) in (0, 1):
@@ -278,5 +270,5 @@ def check_use(use: str) -> None:
         if not (name in _USES[use][1] if use in _USES else of_meshes):
             written = (each.secondary_opts if ctx.params.get(name) is False else each.opts)[0]
             meshes = [] if name in _OF_ROBOTS else [f"meshes{' with --combine' * (name in ('place', 'combine'))}"]
-            others = [call for call, names in _USES.values() if name in names]
+            others = dict.fromkeys(call for call, names in _USES.values() if name in names)
             refuse(f"{written} is not for {use}, but for {' or '.join([*meshes, *others])}")

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from collections import Counter
 from functools import partial
-from typing import Any
 
-from robodyn.checks.check import Options, check_description
+from robodyn.checks.check import Checked, Options, check_description
 from robodyn.cli.files import robot_source
 from robodyn.cli.options import Call, refuse
 from robodyn.cli.progress import counted
 from robodyn.cli.screen import answer, complain
 from robodyn.equations.composite import in_letters, in_numbers
-from robodyn.equations.letters import KINDS
 from robodyn.errors import InputError
 from robodyn.report import inertia_pages as pages
 from robodyn.report.inertia import (
@@ -23,11 +21,10 @@ from robodyn.report.inertia import (
     robot_sections,
 )
 from robodyn.report.renderers.latex import composite_latex
-from robodyn.report.renderers.letters import text_of
 from robodyn.robot.load import load_description
-from robodyn.robot.masses.declared import BASE, LinkInertia, RobotInertia, link_inertia, robot_inertia
+from robodyn.robot.masses.declared import LinkInertia, link_inertia, robot_inertia
 from robodyn.robot.masses.shapes import How, LinkShapes, Reading, compare, link_from_shapes
-from robodyn.robot.urdf.parts import Kind
+from robodyn.robot.urdf.parts import Description, Kind
 from robodyn.solids.inertia.properties import View, inertial_element
 from robodyn.support.wording import count
 
@@ -54,58 +51,56 @@ def robot(
     call: Call,
     file: str,
     view: View,
-    at: Any,
-    link: str | None,
+    kinds: tuple[str, ...] | None,
+    links: tuple[str, ...],
+    frame: str,
+    terms: bool,
+    momentum: bool,
+    moving_base: bool,
+) -> int:
+    """Show a robot, or some of its links, as one body: in letters of some kinds, or in numbers."""
+    description = load_description(robot_source(file), **call.lookup)
+    if kinds is not None:
+        made = in_letters(description, view, kinds, links, frame, terms, momentum, moving_base)
+        json, latex = partial(pages.letters_json, description, made), partial(composite_latex, made)
+        answer(call, letters_sections(description, made, view), json=json, latex=latex)
+        return 0
+    found, checked = robot_inertia(description, call.at or (), links, frame), _checked(description)
+    shares = in_numbers(found, description, view, (call.qd or ()) if momentum else None)
+    document = partial(pages.robot_page, found, description, view, checked, shares)
+    json = partial(pages.robot_json, found, view, checked, shares)
+    sections = robot_sections(found, view, checked, shares, terms)
+    answer(call, sections, document, json=json, urdf=lambda: inertial_element(found.body) + "\n")
+    return 0
+
+
+def one_link(
+    call: Call,
+    file: str,
+    view: View,
+    link: str,
     geometry: Kind | None,
     density: float | None,
     mass: float | None,
     how: How,
-    links: tuple[str, ...] = (),
-    frame: str = BASE,
-    terms: bool = False,
-    momentum: bool = False,
 ) -> int:
-    """Show a robot or some of its links, a link as declared, or what a link's shapes make of it."""
+    """Show a link as declared, or what its shapes make of it."""
     description = load_description(robot_source(file), **call.lookup)
-    options = Options(package_path=description.search.package_paths)
-    found: RobotInertia | LinkInertia | LinkShapes
-    if link is not None and geometry is not None:
+    found: LinkInertia | LinkShapes
+    if geometry is not None:
         reading = Reading(how, watch=counted)
         found = link_from_shapes(description, link, geometry, density=density, mass=mass, reading=reading)
         sections = link_shapes_sections(description.file, found, view)
         document = partial(pages.link_shapes_page, found, description, view)
         json = partial(pages.link_shapes_json, description.name, found, view)
-    elif link is not None:
-        found = link_inertia(description, link)
-        checked = check_description(description, options).of_link(link)
+    else:
+        found, checked = link_inertia(description, link), _checked(description).of_link(link)
         sections = link_sections(description.file, found, view, checked)
         document = partial(pages.link_page, found, description, view, checked)
         json = partial(pages.link_json, description.name, found, view, checked)
-    else:
-        found, checked = (
-            robot_inertia(description, at, links, BASE if frame == "ground" else frame),
-            check_description(description, options),
-        )
-        shares = in_numbers(found, description, view, call.qd or ())
-        sections = robot_sections(found, view, checked, shares, terms, momentum)
-        document = partial(pages.robot_page, found, description, view, checked, shares, momentum)
-        json = partial(pages.robot_json, found, view, checked, shares, momentum)
     answer(call, sections, document, json=json, urdf=lambda: inertial_element(found.body) + "\n")
     return 0
 
 
-def letters(
-    call: Call, file: str, view: View, kinds: tuple[str, ...], links: tuple[str, ...], frame: str, momentum: bool
-) -> int:
-    """Show the bodies of a robot in letters."""
-    description = load_description(robot_source(file), **call.lookup)
-    frame = BASE if frame == "ground" else frame
-    kinds = KINDS if kinds == ("all",) else kinds
-    found = in_letters(description, view, kinds, links, frame, momentum)
-    answer(
-        call,
-        letters_sections(description, found, view, frame, momentum, text_of),
-        json=lambda: pages.letters_json(description, found, view, frame, momentum, text_of),
-        latex=lambda: composite_latex(found, momentum),
-    )
-    return 0
+def _checked(description: Description) -> Checked:
+    return check_description(description, Options(package_path=description.search.package_paths))

@@ -254,6 +254,12 @@ def _names(text: str) -> tuple[str, ...]:
     return names
 
 
+def _kinds(text: str) -> tuple[str, ...]:
+    if text.lower().endswith(ROBOT_SUFFIXES):
+        raise ValueError(f"{text!r} is a file; put it before --symbols, or say which symbols, as --symbols m,l")
+    return tuple(kind.strip() for kind in text.split(",") if kind.strip())
+
+
 def _payload(text: str) -> Payload:
     from robodyn.scene.scene import Payload
 
@@ -376,6 +382,13 @@ REPORT = option(
 )
 AT = option("--at Q", "Joint values in order, or JOINT=Q,...; the rest 0.", VALUES)
 QD = option("--qd QD", "Velocities, likewise; default at rest.", VALUES)
+SYMBOLS = option(
+    "--symbols [KINDS]",
+    "Formulas in letters for masses m, lengths l, centres c, inertias I, gravity g; some, as m,l, or all.",
+    Parsed("symbols", _kinds),
+    is_flag=False,
+    flag_value="m,l,c,I,g",
+)
 FORMAT = option("--format", "Form of the report; default text.", ("text", "json"), "form", default="text")
 
 

@@ -194,7 +194,7 @@ def _single(call: Call, urdf: str, trajectory: str, qdd: Any, loads: dict[str, A
     sinks: list[Callable[..., None]] = []
     with ExitStack() as stack:
         motion: Trajectory | TrajectoryReader
-        if trajectory:
+        if call.at is None:
             motion = stack.enter_context(read_motion(trajectory, model, scene, **call.reading))
             sinks.append(stack.enter_context(watched(motion)))
         else:

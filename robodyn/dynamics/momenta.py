@@ -23,7 +23,7 @@ from robodyn.programs.program import trace, traced
 from robodyn.programs.run.runner import Runner
 from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import IDENTITY, ZERO, Array, Scalar, cross, total, vector
-from robodyn.robot.kinematics import REST, Motion, poses, velocities
+from robodyn.robot.kinematics import REST, Motion, named_links, poses, velocities
 from robodyn.robot.model import Model
 from robodyn.scene.fit import refuse_others
 from robodyn.scene.scene import DEFAULT, Scene
@@ -410,50 +410,42 @@ def centre_of_mass(
     Accuracy: c 1e-14 of the longest chain of offsets, J of its largest entry, for chains of up to 100 bodies.
     """
     View("com", frame).check(model)
-    for name in () if links is None else links:
-        if name not in model.links:
-            remedy = alternatives(name, list(model.links), "links")
-            raise InputError(f"no link {shown(name)}", remedy=remedy, file=model.file)
-    names = model.links if links is None else links
-    bodies = tuple(range(len(model.bodies))) if links is None else tuple(sorted({model.links[x].body for x in names}))
+    names = model.links if links is None else named_links(model, links)
+    bodies = tuple(sorted({model.links[name].body for name in names}))
     m = sum(float(model.bodies[i].inertia.m) for i in bodies)
     if not m:
         raise InputError("the links have no mass, so no mass centre", remedy="name others", file=model.file)
     sources, shape = arrays_of(model, {"q": q})
-    runner = _centre_runner(model, bodies, frame)
+    runner = _centre_runner(model, bodies, m, frame)
     found = results(runner, sources, shape, (3 + 3 * model.n,), None, executor, threads)
     return CentreOfMass(m, found[..., :3], found[..., 3:].reshape(*shape, 3, model.n))
 
 
 @lru_cache(maxsize=16)
-def _centre_runner(model: Model, bodies: tuple[int, ...], frame: str) -> Runner:
+def _centre_runner(model: Model, bodies: tuple[int, ...], m: float, frame: str) -> Runner:
     a_plan = plan(model, DEFAULT)
 
     def outputs(tape: Tape) -> Iterable[Scalar]:
         sample = a_plan.sample(tape)
         model, joints = sample.model, sample.motions()
         where, moving = poses(model.parents, joints), velocities(model.parents, joints)
-        first, P, m = ZERO, ZERO, 0.0
+        centre, speed, R, p = ZERO, ZERO, IDENTITY, ZERO
         for i in bodies:
             body, (w, v) = model.bodies[i].inertia, moving[i]
-            first = first + where[i].R @ body.mc + where[i].p * body.m
-            P, m = P + where[i].R @ (v * body.m + cross(w, body.mc)), m + body.m
-        R, p = IDENTITY, ZERO
+            centre = centre + where[i].R @ body.mc + where[i].p * body.m
+            speed = speed + where[i].R @ (v * body.m + cross(w, body.mc))
         if frame != GROUND:
             carrier, turn, origin = model.links[frame]
             R, p = where[carrier].R @ turn, where[carrier].p + where[carrier].R @ origin
-        speed = list(R.T @ P * (1.0 / m))
-        J = rates_along(speed, [{rate: 1.0} for rate in sample.qd])
-        return [*(R.T @ (first * (1.0 / m) - p)), *(x for row in J for x in row)]
+        J = rates_along(list(R.T @ speed * (1.0 / m)), [{rate: 1.0} for rate in sample.qd])
+        return [*(R.T @ (centre * (1.0 / m) - p)), *(x for row in J for x in row)]
 
     return runner_of(trace(outputs), a_plan)
 
 
 @lru_cache(maxsize=16)
 def _place_runner(model: Model, link: str, point: tuple[float, ...] | None = None) -> Runner:
-    if link not in model.links:
-        remedy = alternatives(link, list(model.links), "links")
-        raise InputError(f"no link {shown(link)}", remedy=remedy, file=model.file)
+    named_links(model, [link])
     a_plan = plan(model, DEFAULT)
 
     def outputs(tape: Tape) -> Iterable[Scalar]:

@@ -4,28 +4,28 @@ parallel axis theorem, term by term; in numbers at a configuration, or in letter
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from robodyn.dynamics.effects.effect import Sample
-from robodyn.equations.closed import MOST_JOINTS
 from robodyn.equations.forms import TooLargeError
 from robodyn.equations.letters import KINDS, Letter, Lettered, snapped
 from robodyn.errors import InputError
 from robodyn.programs.scalar import Tape
-from robodyn.programs.vectors import IDENTITY, ZERO, Array, Scalar, cross, rotation_from_rpy
-from robodyn.robot.kinematics import REST, Pose, Velocity, configuration, motions, poses, rates, velocities
+from robodyn.programs.vectors import IDENTITY, ZERO, Array, Scalar, cross, narrowed, rotation_from_rpy
+from robodyn.robot.kinematics import REST, Pose, Velocity, configuration, motions, named_links, poses, rates, velocities
 from robodyn.robot.load import assemble
-from robodyn.robot.masses.declared import BASE, RobotInertia, named_links
+from robodyn.robot.masses.declared import BASE, RobotInertia
 from robodyn.robot.model import Frame, Model
 from robodyn.robot.urdf.parts import Description
 from robodyn.solids.inertia.properties import View
 from robodyn.support.wording import listed, shown
 
-AXES = "xyz"
+PRODUCTS, LONGEST = 100_000, 1200
+"""Products of terms that may be formed for letters, and terms of an entry: some seconds of work, some pages of text."""
 
 
 class Part(NamedTuple):
@@ -47,7 +47,7 @@ class Share:
     Attributes:
         m, c: mass [kg], mass centre in the frame [m].
         own, turned, moved, inertia: I_c in the body's axes, R I_c R^T, m (|d|^2 1 - d d^T), and their sum [kg m^2]; of
-            the whole `turned` and `moved` are the sums, and it has no axes of its own.
+            the whole `turned` and `moved` are the sums, and `own` is `turned`.
         P, L: linear [kg m/s] and angular momentum [kg m^2/s], relative to the ground.
     """
 
@@ -64,33 +64,45 @@ class Share:
 
 @dataclass(frozen=True, eq=False)
 class Composite:
-    """Attributes: bodies: their shares; whole: of all; point: in the frame [m]; letters: those that occur;
+    """Attributes: names: of the bodies; bodies: their shares, if asked for; whole: of all; frame: a link, or the base;
+    point: in the frame [m]; place: in the axes asked for; first: first moments about it in these, 0 where the mass
+    centre is in the plane through the point [kg m]; momentum: whether it was asked for; letters: those that occur;
     joints: of each coordinate q_k that occurs k and the joint's name."""
 
+    names: tuple[str, ...]
     bodies: tuple[Share, ...]
     whole: Share
+    frame: str
     point: Any
+    place: Any
+    first: Any
+    momentum: bool
     letters: tuple[Letter, ...] = ()
     joints: tuple[tuple[int, str], ...] = ()
 
 
-def in_numbers(found: RobotInertia, description: Description, view: View, qd: Any = ()) -> Composite:
+def in_numbers(found: RobotInertia, description: Description, view: View, qd: Any = None) -> Composite:
     """Return the shares of the links of a robot at its configuration, its base at rest.
 
-    Args: qd: velocities of all joints, or of some by name.
+    Args: qd: velocities of all joints, or of some by name; without any, momenta are not asked for.
+
+    Raises: InputError: the momenta overflow.
 
     Accuracy: sums within 1e-13 of the robot's mass times its size squared, as `robot_inertia` has them.
     """
     model = assemble(description)
-    q, speeds = configuration(model, found.at), rates(model, qd)
+    q, speeds = configuration(model, found.at), rates(model, () if qd is None else qd)
     moving = velocities(model.parents, motions(model, q.tolist(), speeds.tolist(), [0.0] * model.n))
     parts = []
     for link in found.links:
         body, R, p = model.links[link.name]
         w, v = moving[body]
-        velocity = Velocity(R.T @ w, R.T @ (v + cross(w, p)))
+        velocity = Velocity(*map(narrowed, (R.T @ w, R.T @ (v + cross(w, p)))))
         parts.append(Part(link.name, link.body.mass, link.body.com, link.body.inertia, link.pose, velocity))
-    return composed(parts, found.frame_pose, view)
+    made = composed(parts, found.frame, found.frame_pose, view, qd is not None)
+    if not np.isfinite([*made.whole.P, *made.whole.L]).all():
+        raise InputError("the momentum overflows", remedy="smaller velocities", file=model.file)
+    return made
 
 
 def in_letters(
@@ -99,68 +111,66 @@ def in_letters(
     kinds: Sequence[str] = KINDS,
     links: Sequence[str] = (),
     frame: str = BASE,
+    terms: bool = False,
     momentum: bool = False,
+    moving_base: bool = False,
 ) -> Composite:
-    """Return the shares of bodies as SymPy expressions of q_i, qd_i and letters; see `robodyn.equations.letters`.
+    """Return bodies as one as SymPy expressions of q_i, qd_i and letters; see `robodyn.equations.letters`.
 
     Args:
         kinds: of letters; none leaves numbers. links: all of a body's that have mass, or none of them; none is all.
-        frame: a link, or the base; momentum: without it momenta are zero.
+        frame: a link, or the base; terms: whether shares are wanted; momentum: without it momenta are zero;
+            moving_base: whether the base moves at w_x .. v_z, in its own axes.
 
     Raises:
-        InputError: no such link, no mass, more than six coordinates, or links that are part of a body.
+        InputError: no such link, no mass, a floating joint between bodies, links that are part of a body, or too long
+            expressions.
 
     Accuracy: with the letters' values in their place 1e-12 of `in_numbers`.
     """
-    model = assemble(description)
-    joints = [joint for joint in model.independent[1 if model.floating else 0 :] if joint.kind != "fixed"]
-    if len(joints) > MOST_JOINTS or any(joint.kind == "floating" for joint in joints):
-        what = f"letters are for up to {MOST_JOINTS} joints of one coordinate"
+    model = assemble(description, moving_base=moving_base)
+    if any(body.joint.kind == "floating" for body in model.bodies[1:]):
+        what = "a floating joint between bodies has no letters"
         raise InputError(what, remedy="--at gives numbers", file=model.file)
     chosen, lettered = _bodies(model, description, links), Lettered(model, kinds=kinds)
-    at = (
-        model.links[named_links(model, [frame])[0]]
-        if frame != BASE or BASE in model.links
-        else Frame(0, IDENTITY, ZERO)
-    )
+    of_base = frame == BASE not in model.links
+    at = Frame(0, IDENTITY, ZERO) if of_base else model.links[named_links(model, [frame])[0]]
+    traced: list[Composite] = []
 
     def outputs(tape: Tape, sample: Sample) -> Iterable[Scalar]:
         moving = sample.motions()
         where = poses(model.parents, [REST, *moving[1:]])
         speeds = velocities(model.parents, moving) if momentum else [Velocity(ZERO, ZERO)] * len(where)
-        masses = lettered.masses(tape)
-        parts = [Part(model.bodies[i].name, *masses[i], where[i], speeds[i]) for i in chosen]
+        parts = [Part(model.bodies[i].name, *lettered.mass_properties(i, tape), where[i], speeds[i]) for i in chosen]
         stand = where[at.body].after(Pose(snapped(at.R), at.p))
-        found = composed(parts, stand, view)
-        flat: list[Scalar] = list(found.point)
-        for share in (found.whole, *found.bodies):
-            for value in list(vars(share).values())[1:]:
-                flat += [] if value is None else np.ravel(np.asarray(value, dtype=object)).tolist()
-        return flat
+        found = composed(parts, frame, stand, view, momentum)
+        traced.append(found if terms else replace(found, bodies=()))
+        shares = [value for share in (found.whole, *traced[-1].bodies) for value in _values(share)]
+        return [x for array in (found.point, found.place, found.first, *shares) for x in np.ravel(array)]
 
     try:
-        written = lettered.written(lettered.program(outputs))
+        written = lettered.written(lettered.program(outputs), PRODUCTS, LONGEST)
     except TooLargeError:
         what = "the expressions of these bodies are too long"
-        raise InputError(what, remedy="fewer --links, --about origin, or --at for numbers", file=model.file) from None
-    values = iter(written)
-    point = np.array([next(values) for _ in range(3)], dtype=object)
-    shares: list[Share] = []
-    for name in ("whole", *(model.bodies[i].name for i in chosen)):
-        mass, centre = next(values), _taken(values, 3)
-        own = None if name == "whole" and not shares else _taken(values, 9)
-        turned, moved, inertia = (_taken(values, 9) for _ in range(3))
-        shares.append(Share(name, mass, centre, own, turned, moved, inertia, _taken(values, 3), _taken(values, 3)))
+        remedy = "fewer --links, --about origin, fewer letters as --symbols m, or --at for numbers"
+        raise InputError(what, remedy=remedy, file=model.file) from None
+    found, values = traced[-1], iter(written)
+
+    def taken(array: Any) -> Any:
+        entries = np.array([next(values) for _ in range(np.size(array))], dtype=object)
+        return entries.reshape(np.shape(array))[()]
+
+    point, place, first = map(taken, (found.point, found.place, found.first))
+    whole, *bodies = (Share(share.name, *map(taken, _values(share))) for share in (found.whole, *found.bodies))
     occur = {symbol.name for entry in written for symbol in entry.free_symbols}
     letters = tuple(letter for letter in lettered.letters if letter.name in occur)
     named = [(k, body.joint.name) for k, body in enumerate(model.bodies) if {f"q_{k}", f"qd_{k}"} & occur]
-    return Composite(tuple(shares[1:]), shares[0], point, letters, tuple(named))
+    rest = (frame, point, place, first, momentum, letters, tuple(named))
+    return Composite(found.names, tuple(bodies), whole, *rest)
 
 
-def _taken(values: Any, n: int) -> Array:
-    out = np.empty(n, dtype=object)
-    out[:] = [next(values) for _ in range(n)]
-    return out.reshape(3, 3) if n == 9 else out
+def _values(share: Share) -> list[Any]:
+    return list(vars(share).values())[1:]
 
 
 def _bodies(model: Model, description: Description, links: Sequence[str]) -> list[int]:
@@ -179,44 +189,47 @@ def _bodies(model: Model, description: Description, links: Sequence[str]) -> lis
     return chosen
 
 
-def composed(parts: Sequence[Part], frame: Pose, view: View) -> Composite:
-    """Return shares and sum about the point and in the axes of a view that is in this frame, for any scalar.
+def composed(parts: Sequence[Part], frame: str, stand: Pose, view: View, momentum: bool) -> Composite:
+    """Return shares and sum about the point and in the axes of a view in a frame that stands there, for any scalar.
 
     With d from the point to the mass centre: `I = R I_c R^T + m (|d|^2 1 - d d^T)`, `P = m (v + w x c)`,
     `L = R I_c w + d x P`. About the mass centre the terms of the theorem add up to
     `sum_{i<j} m_i m_j / m (|r|^2 1 - r r^T)`, r from one to the other.
     """
-    turn = snapped(rotation_from_rpy(*view.rpy)) if any(view.rpy) else IDENTITY
-    stands = [frame.inverse.after(part.pose) for part in parts]
-    centres = [stand.R @ part.c + stand.p for part, stand in zip(parts, stands, strict=True)]
-    heavy = [k for k, part in enumerate(parts) if not (isinstance(part.m, float) and part.m == 0.0)]
-    m = sum((parts[k].m for k in heavy), 0.0)
-    centre = centres[heavy[0]] if len(heavy) == 1 else sum((centres[k] * parts[k].m for k in heavy), ZERO) * (1.0 / m)
+    turn = rotation_from_rpy(*view.rpy).T
+    stands = [stand.inverse.after(part.pose) for part in parts]
+    centres = [pose.R @ part.c + pose.p for part, pose in zip(parts, stands, strict=True)]
+    m = sum((part.m for part in parts), 0.0)
+    centre = centres[0] if len(parts) == 1 else _moment(parts, centres) * (1.0 / m)
     own_point = view.about == "com"
     point = centre if own_point else np.array(ZERO if view.about == "origin" else view.about)
     shares = []
-    for k, (part, stand) in enumerate(zip(parts, stands, strict=True)):
-        if not own_point:
-            d = turn.T @ (centres[k] - point)
-        elif len(heavy) == 1 and k in heavy:
-            d = ZERO
-        else:  # by distances between centres, in which the origin does not occur
-            d = turn.T @ sum(((centres[k] - centres[j]) * parts[j].m for j in heavy if j != k), ZERO) * (1.0 / m)
-        R = turn.T @ stand.R
+    for part, pose, c in zip(parts, stands, centres, strict=True):
+        # about the mass centre by distances between centres, in which the origin does not occur
+        d = turn @ (_moment(parts, [c - other for other in centres]) * (1.0 / m) if own_point else c - point)
+        R = turn @ pose.R
         turned, moved = R @ part.I_c @ R.T, _spread(d) * part.m
         w, v = part.velocity
         P = R @ (v + cross(w, part.c)) * part.m
         L = R @ (part.I_c @ w) + cross(d, P)
-        shares.append(Share(part.name, part.m, centres[k], part.I_c, turned, moved, turned + moved, P, L))
+        shares.append(Share(part.name, part.m, c, part.I_c, turned, moved, turned + moved, P, L))
     turned, moved, P, L = (
         sum((getattr(share, name) for share in shares[1:]), getattr(shares[0], name))
         for name in ("turned", "moved", "P", "L")
     )
     if own_point:
-        between = combinations(heavy, 2)
-        pairs = [_spread(turn.T @ (centres[i] - centres[j])) * (parts[i].m * parts[j].m) for i, j in between]
-        moved = sum(pairs, np.zeros((3, 3))) * (1.0 / m) if pairs else np.zeros((3, 3))
-    return Composite(tuple(shares), Share("whole", m, centre, None, turned, moved, turned + moved, P, L), point)
+        pairs = combinations(zip(parts, centres, strict=True), 2)
+        spreads = [_spread(turn @ (at - c)) * (one.m * other.m) for (one, at), (other, c) in pairs]
+        moved = sum(spreads, np.zeros((3, 3))) * (1.0 / m)
+    whole = Share("whole", m, centre, turned, turned, moved, turned + moved, P, L)
+    names = tuple(part.name for part in parts)
+    first = ZERO if own_point else turn @ _moment(parts, [c - point for c in centres])
+    return Composite(names, tuple(shares), whole, frame, point, turn @ point, first, momentum)
+
+
+def _moment(parts: Sequence[Part], places: Sequence[Array]) -> Array:
+    """sum m_i x_i."""
+    return np.asarray(sum((x * part.m for x, part in zip(places, parts, strict=True)), ZERO))
 
 
 def _spread(d: Array) -> Array:

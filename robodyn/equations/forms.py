@@ -281,7 +281,7 @@ class Writer:
         terms = []
         for mass, parts in masses.items():
             whole = sympy.Add(*parts)
-            if mass is not None and len(parts) <= FACTORED:
+            if len(parts) <= FACTORED:
                 whole = sympy.factor(whole)
             terms.append(whole if mass is None else self._symbols[mass] * whole)
         return number(scale), self.monomial(common.elements()), sympy.Add(*terms)
@@ -293,7 +293,8 @@ class Writer:
         groups = []
         for rates, shapes in sums.items():
             terms = [
-                x * named(product, whole, names) * self.shape(shape) for shape, (x, product, whole) in shapes.items()
+                sympy.Mul(x, named(product, whole, names), self.shape(shape))
+                for shape, (x, product, whole) in shapes.items()
             ]
             groups.append(gathered(self.monomial(rates), terms) if gather else self.monomial(rates) * sympy.Add(*terms))
         return sympy.Add(*groups)

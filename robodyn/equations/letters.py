@@ -88,10 +88,6 @@ class Letters:
             bodies.append(replace(body, inertia=inertia, joint=joint))
         return replace(model, bodies=tuple(bodies))
 
-    def masses(self, tape: Tape) -> list[tuple[Scalar, Array, Array]]:
-        """Return of each body mass, mass centre, and inertia matrix about it, in the body's axes."""
-        return [self.mass_properties(i, tape) for i in range(len(self._masses))]
-
     def mass_properties(self, i: int, tape: Tape) -> tuple[Scalar, Array, Array]:
         """Return mass, mass centre and inertia matrix about it of body i, in its axes."""
         centre, about = (self._array(x[i], tape) for x in (self._centres, self._about))
@@ -242,9 +238,6 @@ class Lettered:
 
     def gravity(self, tape: Tape) -> Array:
         return self._letters.gravity(tape)
-
-    def masses(self, tape: Tape) -> list[tuple[Scalar, Array, Array]]:
-        return self._letters.masses(tape)
 
     def mass_properties(self, i: int, tape: Tape) -> tuple[Scalar, Array, Array]:
         return self._letters.mass_properties(i, tape)

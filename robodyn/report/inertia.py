@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from robodyn.report.document import Facts, Heading, Paragraph, Section, Table, paragraphs, remarks
-from robodyn.report.table import is_noise, number, point_text, printable
+from robodyn.report.table import NOISE, is_noise, number, point_text, printable
 from robodyn.solids.inertia.properties import MassProperties, View
 from robodyn.solids.inertia.validity import Validity, validity
 from robodyn.solids.mass_properties import Part
-from robodyn.support.floats import ranked
+from robodyn.support.floats import Floats, ranked
 from robodyn.support.wording import count
 
 if TYPE_CHECKING:
@@ -70,10 +70,16 @@ def inertia_tables(body: MassProperties, view: View) -> Iterator[Section]:
     rows = [(AXES[i], *(number(x, scale) for x in matrix[i])) for i in range(3)]
     yield [Table(f"Inertia {view.words} [kg m^2]", ("", *AXES), rows)]
     principal = body.principal
-    rows = [(str(k + 1), number(principal.moments[k]), *(f"{x:.6f}" for x in principal.axes[k])) for k in range(3)]
+    moments, axes = certain(principal.moments), principal.axes.round(6) + 0.0
+    rows = [(str(k + 1), number(moments[k]), *(f"{x:.6f}" for x in axes[k])) for k in range(3)]
     head = ("", "moment [kg m^2]", *(f"axis {name}" for name in AXES))
-    moments = Table("Principal moments about the centre of mass", head, rows)
-    yield [moments, *paragraphs([principal.remark] if principal.remark else [])]
+    table = Table("Principal moments about the centre of mass", head, rows)
+    yield [table, *paragraphs([principal.remark] if principal.remark else [])]
+
+
+def certain(moments: Floats) -> Floats:
+    """Return principal moments, 0 for those that rounding alone may have made."""
+    return np.where(np.abs(moments) <= NOISE * np.abs(moments).max(), 0.0, moments)
 
 
 def _symmetry(part: Part, reach: float) -> Section:
@@ -152,7 +158,6 @@ def robot_sections(
     checked: Checked,
     shares: Composite,
     terms: bool = False,
-    momentum: bool = False,
 ) -> Iterator[Section]:
     """Yield links by mass, the robot or some links at a configuration, shares term by term and momenta where these are
     asked for, and what a check says of the robot."""
@@ -162,19 +167,18 @@ def robot_sections(
     what = f"{found.massive} of {count(found.count, 'link')} with mass, in the frame of {_frame(found.frame)}"
     who = "links " + ", ".join(printable(link.name) for link in found.links) + ", " if found.composite else ""
     yield paragraphs([f"{printable(found.file)}: robot '{printable(found.name)}', {who}{what}", f"at {at}"])
-    slack = [f"{link.validity.slack:.3f}" for link in found.links]
+    slack = [f"{round(link.validity.slack, 3) + 0.0:.3f}" for link in found.links]
     yield [_by_mass("link", [link.name for link in found.links], placed, found.body, reach, slack)]
     yield [amounts(found.body, reach)]
     yield from inertia_tables(found.body, view)
-    point, matrix = view.inertia(found.body)
+    _, matrix = view.inertia(found.body)
     scale = float(np.abs(matrix).max())
-    turn = _axes_of(view).T
-    away, places = turn @ (found.body.com - point), [number(x, reach) for x in turn @ point]
     gone = np.vectorize(lambda x: is_noise(abs(x), scale))(matrix)
-    yield paragraphs(vanishing(gone, [is_noise(abs(x), reach) for x in away], places))
+    through = [is_noise(abs(x), reach * found.body.mass) for x in shares.first]
+    yield paragraphs(vanishing(gone, through, [number(x, reach) for x in shares.place]))
     if terms:
         yield [_terms(shares, view)]
-    if momentum:
+    if shares.momentum:
         yield [_momenta(shares, view)]
     verdicts = [_physical(validity(found.body), " as a whole"), _checked(checked)]
     yield [*paragraphs(verdicts), *remarks("warning", found.warnings)]
@@ -199,36 +203,28 @@ def vanishing(zero: Any, through: Sequence[bool], places: Sequence[str]) -> list
     return lines
 
 
-def letters_sections(
-    description: Description, found: Composite, view: View, frame: str, momentum: bool, write: Any
-) -> Iterator[Section]:
-    """Yield what bodies in letters make together, and each by itself; `write` writes an expression."""
-    bodies, whole = ", ".join(printable(body.name) for body in found.bodies), found.whole
+def letters_sections(description: Description, found: Composite, view: View) -> Iterator[Section]:
+    """Yield what bodies in letters make together, and each by itself."""
+    from robodyn.report.renderers.letters import text_of
+
+    bodies, whole = ", ".join(map(printable, found.names)), found.whole
     what = f"{printable(description.file)}: robot '{printable(description.name)}', bodies {bodies}, in the frame of"
     legend = [f"q_{k}: joint {printable(joint)}" for k, joint in found.joints]
-    legend = [", ".join([*legend, "c_1 = cos q_1, s_12 = sin(q_1 + q_2)"])] if legend else []
-    yield paragraphs([f"{what} {_frame(frame)}", *legend])
+    legend = [", ".join([*legend, "c_1 = cos q_1, s_12 = sin(q_1 + q_2), s_11 = sin(2 q_1)"])] if legend else []
+    yield paragraphs([f"{what} {_frame(found.frame)}", *legend])
     rows = [(letter.name, f"{letter.value:.6g}", letter.meaning) for letter in found.letters]
     if rows:
         yield [Table("Letters", ("", "value", ""), rows)]
-    yield [Heading("Mass and mass centre"), *paragraphs([f"m = {write(whole.m)}", *_entries("c", whole.c, write)])]
-    turn = _axes_of(view).T
-    through = [x == 0 or x.simplify() == 0 for x in turn @ (whole.c - found.point)]
-    gone = vanishing(whole.inertia == 0, through, [write(x + 0) for x in turn @ found.point])
-    yield [Heading(f"Inertia {view.words}"), *paragraphs([*_entries("I", whole.inertia, write), *gone])]
-    if momentum:
-        lines = [*_entries("P", whole.P, write), *_entries("L", whole.L, write)]
+    yield [Heading("Mass and mass centre"), *paragraphs([f"m = {text_of(whole.m)}", *_entries("c", whole.c)])]
+    gone = vanishing(whole.inertia == 0, [x == 0 for x in found.first], list(map(text_of, found.place)))
+    yield [Heading(f"Inertia {view.words}"), *paragraphs([*_entries("I", whole.inertia), *gone])]
+    if found.momentum:
+        lines = [*_entries("P", whole.P), *_entries("L", whole.L)]
         yield [Heading(f"Linear momentum, and angular {view.words}"), *paragraphs(lines)]
-    for body in found.bodies if len(found.bodies) > 1 else ():
-        terms = [*_terms_of(body), *((("P", body.P), ("L", body.L)) if momentum else ())]
-        lines = [f"{name}: {', '.join(_entries('', values, write, short=True)) or '0'}" for name, values in terms]
+    for body in found.bodies:
+        terms = [*_terms_of(body), *((("P", body.P), ("L", body.L)) if found.momentum else ())]
+        lines = [f"{name}: {', '.join(_entries('', values)) or '0'}" for name, values in terms]
         yield [Heading(f"Share of {printable(body.name)}"), *paragraphs(lines)]
-
-
-def _axes_of(view: View) -> Any:
-    from robodyn.programs.vectors import rotation_from_rpy
-
-    return rotation_from_rpy(*view.rpy).round(15) + 0.0 if any(view.rpy) else np.eye(3, dtype=int)
 
 
 def _frame(name: str) -> str:
@@ -236,27 +232,27 @@ def _frame(name: str) -> str:
 
 
 def _terms_of(share: Share) -> list[tuple[str, Any]]:
-    own = [] if share.own is None else [("I_c, own axes", share.own)]
-    rest = [("R I_c R^T", share.turned), ("m (|d|^2 1 - d d^T)", share.moved), ("sum", share.inertia)]
-    return [*own, *rest]
+    own = [] if share.own is share.turned else [("I_c, own axes", share.own)]
+    return [*own, ("R I_c R^T", share.turned), ("m (|d|^2 1 - d d^T)", share.moved), ("sum", share.inertia)]
 
 
-def _entries(name: str, values: Any, write: Any, short: bool = False) -> list[str]:
-    """Return the entries of a vector or a symmetric matrix as equations, or in short those that are not zero."""
-    if np.ndim(values) == 1:
-        entries = {AXES[i]: values[i] for i in range(3)}
-    else:
-        entries = {AXES[i] + AXES[j]: values[i, j] for i, j in ORDER}
-    index = "{}" if short else f"{name}_{{}}"
-    return [f"{index.format(key)} = {write(x)}" for key, x in entries.items() if not short or x != 0]
+def _entries(name: str, values: Any) -> list[str]:
+    """Return the entries of a vector or a symmetric matrix as equations; without a name those that are not zero."""
+    from robodyn.report.renderers.letters import text_of
+
+    entries = (
+        zip(AXES, values, strict=True) if values.ndim == 1 else ((AXES[i] + AXES[j], values[i, j]) for i, j in ORDER)
+    )
+    return [f"{name}{'_' * bool(name)}{key} = {text_of(x)}" for key, x in entries if name or x != 0]
 
 
 def _terms(found: Composite, view: View) -> Table:
-    rows = []
     scale = float(np.abs(found.whole.inertia).max())
-    for share in (*found.bodies, found.whole):
-        for what, matrix in _terms_of(share):
-            rows.append((printable(share.name), what, *(number(float(matrix[at]), scale) for at in ORDER)))
+    rows = [
+        (printable(share.name), what, *(number(matrix[at], scale) for at in ORDER))
+        for share in (*found.bodies, found.whole)
+        for what, matrix in _terms_of(share)
+    ]
     head = ("link", "term", *(AXES[i] + AXES[j] for i, j in ORDER))
     note = "R turns the link's axes into those asked for; d leads from the point to the link's mass centre"
     return Table(f"Shares of the inertia {view.words} [kg m^2]", head, rows, note)
@@ -264,12 +260,9 @@ def _terms(found: Composite, view: View) -> Table:
 
 def _momenta(found: Composite, view: View) -> Table:
     shares = (*found.bodies, found.whole)
-    scales = [max(float(np.abs(getattr(share, name)).max()) for share in shares) for name in "PL"]
+    linear, angular = (float(np.abs([getattr(share, name) for share in shares]).max()) for name in "PL")
     rows = [
-        (
-            printable(share.name),
-            *(number(float(x), scale) for p, scale in zip((share.P, share.L), scales, strict=True) for x in p),
-        )
+        (printable(share.name), *(number(x, linear) for x in share.P), *(number(x, angular) for x in share.L))
         for share in shares
     ]
     head = ("link", *(f"P_{axis} [kg m/s]" for axis in AXES), *(f"L_{axis} [kg m^2/s]" for axis in AXES))
@@ -349,8 +342,9 @@ def _checked(checked: Checked) -> str:
 
 def _physical(found: Validity, which: str = "") -> str:
     """Return the verdict with its margin: I_1 + I_2 - I_3 over the largest moment, twice the least second moment."""
-    small, middle, large = (number(moment) for moment in found.moments)
-    margin = f"I_1 + I_2 - I_3 = {small} + {middle} - {large} kg m^2, {found.slack:.4f} of the largest"
+    small, middle, large = map(number, certain(found.moments))
+    slack = round(found.slack, 4) + 0.0
+    margin = f"I_1 + I_2 - I_3 = {small} + {middle} - {large} kg m^2, {slack:.4f} of the largest"
     if found.faults:
         return f"not physical{which}: {'; '.join(found.faults)} ({margin})"
     return f"physical{which}: no second moment is negative ({margin})"

@@ -49,57 +49,53 @@ def combination_json(found: Combination, view: View) -> str:
     return doc.written({"meshes": meshes, "combined": {**body_data(found.body, view), **places}})
 
 
-def robot_json(found: RobotInertia, view: View, checked: Checked, shares: Composite, momentum: bool = False) -> str:
+def robot_json(found: RobotInertia, view: View, checked: Checked, shares: Composite) -> str:
     """Return the robot, or some links, as one body in a frame, every link with an <inertial>, its share term by term,
     and what a check says."""
     from robodyn.report.check import check_data
 
     links = []
     for link, share in zip(found.links, shares.bodies, strict=True):
-        own = {"pose": _pose(link.pose), "com_in_base": link.placed.com, "share": _share(share, momentum)}
+        own = {"pose": _pose(link.pose), "com_in_base": link.placed.com, "share": _share(share, shares.momentum)}
         links.append({**_declared_json(link), **own})
     rest = {"validity": _validity(validity(found.body)), "check": check_data(checked), "links": links}
     keys = "validity check links_with_mass:massive links warnings"
     whole = body_data(found.body, view)
-    if momentum:
+    if shares.momentum:
         whole["momentum"] = _momentum(shares.whole)
     return doc.written({**doc.select(found, "robot:name file at frame"), **whole, **doc.select(found, keys, **rest)})
 
 
-def letters_json(
-    description: Description, found: Composite, view: View, frame: str, momentum: bool, write: Callable[[Any], str]
-) -> str:
+def letters_json(description: Description, found: Composite) -> str:
     """Return bodies as one in letters: expressions as texts, `symbols` with value and meaning of each letter."""
+    from robodyn.report.renderers.letters import text_of
 
     def texts(values: Any) -> Any:
-        return [texts(x) for x in values] if isinstance(values, np.ndarray) else write(values)
+        return [texts(x) for x in values] if isinstance(values, np.ndarray) else text_of(values)
 
-    of = doc.select(description, "robot:name file") | {"frame": frame}
-    symbols = [doc.select(letter, "name value meaning") for letter in found.letters]
     whole = found.whole
-    data = {"mass": write(whole.m), "com": texts(whole.c)}
+    data = doc.select(description, "robot:name file") | {"frame": found.frame}
+    data["symbols"] = [doc.select(letter, "name value meaning") for letter in found.letters]
+    data |= {"mass": text_of(whole.m), "com": texts(whole.c)}
     data["inertia_about"] = {"point": texts(found.point), "matrix": texts(whole.inertia)}
-    if momentum:
+    if found.momentum:
         data["momentum"] = _momentum(whole, texts)
-    links = [
-        {"body": body.name, "mass": write(body.m), "com": texts(body.c), "share": _share(body, momentum, texts)}
+    data["bodies"] = [
+        {"body": body.name, "mass": text_of(body.m), "com": texts(body.c)}
+        | {"share": _share(body, found.momentum, texts)}
         for body in found.bodies
     ]
-    return doc.written({**of, "symbols": symbols, **data, "bodies": links})
+    return doc.written(data)
 
 
 def _share(share: Share, momentum: bool, texts: Callable[[Any], Any] = doc.encode) -> dict[str, Any]:
     parts = {"own": share.own, "turned": share.turned, "parallel_axis": share.moved, "sum": share.inertia}
-    out = {name: texts(_floats(x, texts)) for name, x in parts.items()}
-    return {**out, **({"momentum": _momentum(share, texts)} if momentum else {})}
+    out = {name: texts(x) for name, x in parts.items()}
+    return out | ({"momentum": _momentum(share, texts)} if momentum else {})
 
 
 def _momentum(share: Share, texts: Callable[[Any], Any] = doc.encode) -> dict[str, Any]:
-    return {"linear": texts(_floats(share.P, texts)), "angular": texts(_floats(share.L, texts))}
-
-
-def _floats(values: Any, texts: Callable[[Any], Any]) -> Any:
-    return np.asarray(values, dtype=float) if texts is doc.encode else values
+    return {"linear": texts(share.P), "angular": texts(share.L)}
 
 
 def link_json(robot: str, found: LinkInertia, view: View, checked: Checked) -> str:
@@ -225,7 +221,6 @@ def robot_page(
     view: View,
     checked: Checked,
     shares: Composite,
-    momentum: bool,
     pictures: bool,
 ) -> doc.Document:
     """Return the robot, or some links, the joints locked."""
@@ -236,8 +231,8 @@ def robot_page(
         first += _robot(description, caption, found.at, found.body.placed(*found.frame_pose), chosen)
     who = "some links" if found.composite else "the whole robot"
     what = f"Mass properties of {who}, {found.massive} of {count(found.count, 'link')} with mass"
-    sections = words.robot_sections(found, view, checked, shares, True, momentum)
-    return _page(found.name, what, first, sections, robot_json(found, view, checked, shares, momentum))
+    sections = words.robot_sections(found, view, checked, shares, terms=True)
+    return _page(found.name, what, first, sections, robot_json(found, view, checked, shares))
 
 
 def link_page(
@@ -368,14 +363,14 @@ def _axes(bodies: Sequence[tuple[MassProperties, float]]) -> list[dict[str, Any]
     marks = []
     for k, colour in enumerate(("bad", "good", "c1")):
         axes = [(body, 1.4 * reach * body.principal.axes[k]) for body, reach in bodies]
-        moment = f": {number(bodies[0][0].principal.moments[k])} kg m^2" if len(bodies) == 1 else ""
+        moment = f": {number(words.certain(bodies[0][0].principal.moments)[k])} kg m^2" if len(bodies) == 1 else ""
         lines = [(body.com - 0.5 * axis, axis, 0.003 * float(np.linalg.norm(axis))) for body, axis in axes]
         marks.append(stage.mark(f"principal axis {k + 1}{moment}", colour, lines))
     return marks
 
 
 def _moments(moments: Array) -> str:
-    return f"{', '.join(map(number, moments))} kg m^2"
+    return f"{', '.join(map(number, words.certain(moments)))} kg m^2"
 
 
 def _possible(body: MassProperties, doubts: Sequence[str], checked: Checked | None = None) -> doc.Verdict:

@@ -241,6 +241,15 @@ def named(model: Model, values: Values, names: tuple[str, ...]) -> Mapping[str, 
     return values
 
 
+def named_links(model: Model, names: Sequence[str]) -> tuple[str, ...]:
+    """Return the names of links, each once; InputError of one that is none."""
+    for name in names:
+        if name not in model.links:
+            remedy = alternatives(name, list(model.links), "links")
+            raise InputError(f"there is no link {shown(name)}", remedy=remedy, file=model.file)
+    return tuple(dict.fromkeys(names))
+
+
 def beyond_limits(model: Model, q: Floats) -> tuple[str, ...]:
     """Return what is outside its limits, mimic joints included, in words."""
     found = []

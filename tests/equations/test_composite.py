@@ -154,6 +154,20 @@ def test_letters_of_robots_agree_with_numbers(name):
     agree(description(name), View("origin"))
 
 
+def test_momenta_in_letters_of_a_base_that_moves():
+    found = in_letters(description("satellite"), View("origin"), momentum=True, moving_base=True)
+    model = assemble(description("satellite"), moving_base=True)
+    rng = np.random.default_rng(2)
+    angles, qd = rng.uniform(-1, 1, 2), rng.uniform(-1, 1, model.n)
+    expected = robodyn.momenta(model, [0, 0, 0, 0, 0, 0, 1, *angles], qd, frame="bus")
+    rates = ("w_x", "w_y", "w_z", "v_x", "v_y", "v_z", "qd_1", "qd_2")
+    values = dict(zip(map(symbol, ("q_1", "q_2", *rates)), (*angles, *qd), strict=True))
+    values |= {symbol(letter.name): letter.value for letter in found.letters}
+    P, L = (np.array([x.subs(values) for x in vector], dtype=float) for vector in (found.whole.P, found.whole.L))
+    assert np.abs(P - expected.linear).max() <= 1e-12 * np.abs(expected.linear).max()
+    assert np.abs(L - expected.angular).max() <= 1e-12 * np.abs(expected.angular).max()
+
+
 def test_letters_of_some_links_in_the_frame_of_another():
     agree(description("scara"), VIEWS[0], ["inner_arm", "spindle"], "outer_arm")
 
@@ -179,7 +193,7 @@ def test_momenta_are_those_of_the_robot_and_of_pinocchio(name):
         found = in_numbers(robot_inertia(given, q), given, View(about), qd).whole
         expected = robodyn.momenta(model, q, qd, about=about)
         for mine, theirs in ((found.P, expected.linear), (found.L, expected.angular), (found.c, expected.com)):
-            assert np.abs(np.asarray(mine, dtype=float) - theirs).max() <= 1e-13 * max(1.0, np.abs(theirs).max())
+            assert np.abs(np.asarray(mine) - theirs).max() <= 1e-13 * max(1.0, np.abs(theirs).max())
     c = robodyn.centre_of_mass(model, q)
     assert np.abs(c.m * c.J @ qd - expected.linear).max() <= 1e-13 * np.abs(expected.linear).max()
     assert np.abs(c.c - expected.com).max() <= 1e-14
@@ -192,8 +206,8 @@ def test_momentum_against_pinocchio():
     q, qd = np.random.default_rng(4).uniform(-1, 1, (2, model.n))
     h = pin.computeCentroidalMomentum(peer, data, q, qd)
     found = in_numbers(robot_inertia(given, q), given, View("com"), qd).whole
-    assert np.abs(np.asarray(found.P, dtype=float) - h.linear).max() <= 1e-12 * np.abs(h.linear).max()
-    assert np.abs(np.asarray(found.L, dtype=float) - h.angular).max() <= 1e-12 * np.abs(h.angular).max()
+    assert np.abs(np.asarray(found.P) - h.linear).max() <= 1e-12 * np.abs(h.linear).max()
+    assert np.abs(np.asarray(found.L) - h.angular).max() <= 1e-12 * np.abs(h.angular).max()
     J = pin.jacobianCenterOfMass(peer, data, q)
     assert np.abs(robodyn.centre_of_mass(model, q).J - J).max() <= 1e-13
 
@@ -229,7 +243,10 @@ def test_centre_of_mass_of_links_in_a_frame():
         ("--symbols --format urdf", "--format urdf is for numbers"),
         ("--format latex", "--format latex is for a URDF with --symbols"),
         ("--qd 1,2,3", "--qd is for --momentum"),
-        ("--links inner_arm,", "empty"),
+        ("--moving-base", "--moving-base is for --symbols --momentum"),
+        ("--momentum --qd 1e308,1e308,1e308", "overflows"),
+        ("--about 1e160,0,0 --symbols", "too far away"),
+        ("--links inner_arm,", "not names between commas"),
         ("--links base", "no mass"),
         ("--links base --symbols", "no mass"),
     ],
@@ -239,6 +256,24 @@ def test_calls_that_contradict_are_refused_in_a_line(arguments, said):
     assert result.status == 2
     assert said in result.err
     assert result.err.count("\n") == 1
+
+
+def test_a_file_is_no_kind_of_letters():
+    result = run("inertia", "--symbols", "robots/scara.urdf")
+    assert (result.status, "put it before --symbols" in result.err) == (2, True)
+
+
+def test_what_is_too_long_is_refused_with_a_way_out():
+    result = run("inertia", "robots/puma560.urdf", "--symbols")
+    assert result.status == 2
+    assert "too long (fewer --links, --about origin, fewer letters as --symbols m, or --at for numbers)" in result.err
+
+
+def test_rounding_of_zeros_is_not_printed():
+    said = run("inertia", "robots/two_link_planar.urdf", "--at", "0.5,0.5").out
+    assert "1           0        0.540302  0.000000  0.841471" in said
+    assert "-0.0" not in said.replace("-0.0000 of", "-0.00")
+    assert not any(f"e-{digit}" in said for digit in "123")
 
 
 def test_links_fixed_to_each_other_are_one_body_in_letters():

@@ -68,6 +68,12 @@ PIECES = {
         ("(R @ axis) * q[0]", "axis * q[0]"),
         ("ratio * q[own]", "q[own]"),
     ],
+    ("equations/test_composite.py", "equations/composite.py"): [
+        ("IDENTITY * (d @ d) - np.outer(d, d)", "IDENTITY * (d @ d)"),
+        ("R @ (part.I_c @ w) + cross(d, P)", "R @ (part.I_c @ w)"),
+        ("(one.m * other.m)", "(one.m + other.m)"),
+        ("turn @ pose.R", "pose.R"),
+    ],
     ("dynamics/test_momentum.py", "dynamics/momenta.py"): [("H[j] + R @ H[i] + cross(p, P_in)", "H[j] + R @ H[i]")],
     ("dynamics/constraints/test_torque_distribution.py", "dynamics/constraints/torque_distribution.py"): [
         ("np.sqrt(weights / weights.max())", "weights / weights.max()"),

@@ -20,7 +20,7 @@ COMMANDS = (
     ("simulate", "simulate robots/crank_slider.urdf --scene robots/crank_slider_pump.toml --duration 0.1"),
     ("inertia", "inertia robots/meshes/torn_block.stl robots/meshes/worn_pad.stl robots/meshes/open_tray.stl"),
     ("inertia_robot", "inertia robots/meshed_arm.urdf --at elbow=0.5"),
-    ("inertia_robot", "inertia robots/satellite.urdf --symbols --about origin --momentum"),
+    ("inertia_robot", "inertia robots/satellite.urdf --symbols --about origin --momentum --terms"),
     ("inertia_robot", "inertia robots/scara.urdf --momentum --qd elbow=1 --links spindle"),
     ("inertia_comparison", "inertia robots/meshed_arm.urdf --compare"),
     ("check", "check robots/puma560.urdf robots/scara.urdf"),

@@ -63,9 +63,9 @@ def closed_latex(closed: Closed) -> str:
     )
 
 
-def composite_latex(found: Composite, momentum: bool) -> str:
-    """Return mass, mass centre, inertia matrix and momenta of bodies in letters, and each body's shares of the matrix:
-    equations for amsmath, one a line."""
+def composite_latex(found: Composite) -> str:
+    """Return mass, mass centre, inertia matrix and momenta of bodies in letters, and shares of the matrix: equations
+    for amsmath, one a line."""
     whole, axes = found.whole, "xyz"
 
     def entries(name: str, values: Any) -> list[str]:
@@ -73,9 +73,9 @@ def composite_latex(found: Composite, momentum: bool) -> str:
         return [f"{name}_{{{''.join(axes[k] for k in at)}}} &= {latex_of(values[at])}" for at in places]
 
     lines = [f"m &= {latex_of(whole.m)}", *entries("c", whole.c), *entries("I", whole.inertia)]
-    if momentum:
+    if found.momentum:
         lines += [*entries("P", whole.P), *entries("L", whole.L)]
-    for body in found.bodies if len(found.bodies) > 1 else ():
+    for body in found.bodies:
         mark = rf"\text{{{escaped(body.name)}}}"
         lines += entries(rf"(R I_c R^T)^{{{mark}}}", body.turned)
         lines += entries(rf"m(|d|^2 1 - d d^T)^{{{mark}}}", body.moved)

@@ -7,15 +7,14 @@ from dataclasses import dataclass
 
 from robodyn.errors import InputError
 from robodyn.programs.vectors import IDENTITY, ZERO, narrowed
-from robodyn.robot.kinematics import Pose, Values, beyond_limits, configuration, coordinates, link_poses
+from robodyn.robot.kinematics import Pose, Values, beyond_limits, configuration, coordinates, link_poses, named_links
 from robodyn.robot.load import assemble, placement
-from robodyn.robot.model import Model
 from robodyn.robot.urdf.description import link_named
 from robodyn.robot.urdf.parts import Description, Link
 from robodyn.solids.inertia.laws import symmetric
 from robodyn.solids.inertia.properties import MassProperties, composite, from_inertia
 from robodyn.solids.inertia.validity import Validity, validity
-from robodyn.support.wording import alternatives, shown
+from robodyn.support.wording import shown
 
 BASE = "base"
 _BASE_POSE = Pose(IDENTITY, ZERO)
@@ -126,15 +125,6 @@ def robot_inertia(
     count = len(chosen) if links else len(description.links)
     rest = (massive, count, body, warnings, frame, stand, bool(links))
     return RobotInertia(description.name, description.file, given, bodies, *rest)
-
-
-def named_links(model: Model, names: Sequence[str]) -> tuple[str, ...]:
-    """Return the names of links, each once; InputError of one that is none."""
-    for name in names:
-        if name not in model.links:
-            remedy = alternatives(name, list(model.links), "links")
-            raise InputError(f"there is no link {shown(name)}", remedy=remedy, file=model.file)
-    return tuple(dict.fromkeys(names))
 
 
 def _in_frame(frame: Pose, pose: Pose) -> Pose:

@@ -29,6 +29,8 @@ from robodyn.solids.inertia.laws import (
 from robodyn.support.floats import Floats, first_largest
 
 EQUAL = 1e-9
+FARTHEST = 1e100
+"""Coordinates of a point [m] whose squares are still numbers, also times masses."""
 Pose = tuple[Array, Array]
 """Rotation (3, 3) and origin (3,) [m] of a frame in another."""
 _NOTHING = np.zeros((3, 3))
@@ -64,7 +66,7 @@ class Principal:
             return f"all principal moments are {equal}: every axis is principal"
         (lone,) = (group[0] for group in self.groups if len(group) == 1)
         ((first, other),) = (group for group in self.groups if len(group) == 2)
-        along = ", ".join(f"{x:.6g}" for x in self.axes[lone])
+        along = ", ".join(f"{x:.6g}" for x in self.axes[lone].round(9) + 0.0)
         return (
             f"principal moments {first + 1} and {other + 1} are {equal}: "
             f"every axis normal to axis {lone + 1} = ({along}) is principal"
@@ -354,6 +356,10 @@ class View:
 
     about: Literal["com", "origin"] | Vector = "com"
     rpy: Vector = (0.0, 0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.about, str) and max(map(abs, self.about)) > FARTHEST:
+            raise InputError(f"the point {self.about} is too far away", remedy=f"stay within {FARTHEST:g} m")
 
     def inertia(self, body: MassProperties) -> tuple[Floats, Floats]:
         """The point [m] in the mesh's frame and the inertia matrix about it, R^T I R, in the view's axes [kg m^2]."""
