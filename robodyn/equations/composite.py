@@ -128,8 +128,7 @@ def in_letters(
         moving = sample.motions()
         where = poses(model.parents, [REST, *moving[1:]])
         speeds = velocities(model.parents, moving) if momentum else [Velocity(ZERO, ZERO)] * len(where)
-        masses = lettered.masses(tape)
-        parts = [Part(model.bodies[i].name, *masses[i], where[i], speeds[i]) for i in chosen]
+        parts = [Part(model.bodies[i].name, *lettered.mass_properties(i, tape), where[i], speeds[i]) for i in chosen]
         stand = where[at.body].after(Pose(snapped(at.R), at.p))
         found = composed(parts, stand, view)
         flat: list[Scalar] = list(found.point)
