@@ -26,20 +26,17 @@ from robodyn.programs.program import Program
 from robodyn.programs.run.numpy_blocks import NumpyBlocks
 from robodyn.robot.model import Model
 from robodyn.scene.scene import DEFAULT, Scene
-from robodyn.support.floats import Floats
 
 MOST_JOINTS = 6
 """Coordinates of joints of a robot whose closed form can be written down; those of a base that moves come on top."""
-PRODUCTS = 50_000
-"""Of terms that are formed for M and for each effect: seconds, and entries of some ten thousand characters."""
+PRODUCTS = 60_000
+"""Of terms that are formed: seconds, and entries of some ten thousand characters."""
 REMEDY = "--form ode has numbers at a configuration, robodyn export writes them as code"
 STATES = 16
 TOLERANCE = 1e-12
 FLOOR = 1e-3
 """An entry is compared with the largest of its unit, or with this share of the largest of all, M among them, if that is
 more; what is zero within rounding with the largest of M."""
-NEGLIGIBLE = 1e-15
-"""A smaller share of the largest coefficient of its unit is what rounding leaves of the description's zeros."""
 DIGITS = 10
 """Decimals of up to so many digits count as short."""
 SHORT = 16 * 2.0**-52
@@ -106,22 +103,22 @@ def closed(
     check_equations(model, scene)
     _check_size(model, scene)
     lettered = Lettered(model, scene, symbols, positive)
-    n, units = model.n, units_of(model)
-    pairs = [" ".join(sorted((units[i], units[j]))) for i in range(n) for j in range(i, n)]
-    effects = [effect for effect in lettered.plan.effects if effect.name != "mimic"]
+    n = model.n
+    programs = {"M": lettered.mass()}
+    programs |= {effect.name: lettered.share(effect) for effect in lettered.plan.effects if effect.name != "mimic"}
+    forms = Forms(lettered.symbols, PRODUCTS)
     try:
-        parts = {"M": _Part(lettered, lettered.mass(), pairs)}
-        parts |= {effect.name: _Part(lettered, lettered.share(effect), units) for effect in effects}
+        found = {name: forms.outputs(program) for name, program in programs.items()}
     except TooLargeError:
         what = "the closed form of this robot is too long to be read"
         fewer = "letters for fewer kinds, as --symbols m,l, make it shorter; " if symbols else ""
         raise InputError(what, remedy=fewer + REMEDY, file=model.file) from None
-    named_by, constants = _constants(parts.values())
-    masses, weights = parts["M"].numbers, parts["M"].numbers * max(1.0, *map(abs, scene.gravity))
-    entries = {
-        name: part.entries(named_by, constants, masses if name in ("M", "coriolis") else weights)
-        for name, part in parts.items()
-    }
+    sums = {name: [forms.sums({key: _snapped(x) for key, x in form.items()}) for form in found[name]] for name in found}
+    named_by, constants = _constants(each for part in sums.values() for each in part)
+    entries = {name: [forms.assembled(each, named_by) for each in part] for name, part in sums.items()}
+    error = _error(lettered, programs, entries, constants)
+    if error > TOLERANCE:
+        raise InputError(f"the closed form is {error:.1e} off the recursion in numbers", remedy=REMEDY, file=model.file)
     upper = iter(entries.pop("M"))
     triangle = {(i, j): next(upper) for i in range(n) for j in range(i, n)}
     used = set[Any]().union(*(x.free_symbols for part in (triangle.values(), *entries.values()) for x in part))
@@ -145,7 +142,7 @@ def closed(
         constants={symbol: whole for symbol, whole in constants.items() if symbol in used},
         M=tuple(tuple(triangle[min(i, j), max(i, j)].xreplace(names) for j in range(n)) for i in range(n)),
         bias={name: tuple(x.xreplace(names) for x in part) for name, part in entries.items()},
-        error=max(part.error for part in parts.values()),
+        error=error,
     )
 
 
@@ -172,58 +169,35 @@ def _by_joint(model: Model, lettered: Lettered) -> dict[Any, Any]:
     return out
 
 
-class _Part:
-    """M or the part of an effect.
-
-    Attributes:
-        sums: of each output; numbers: the outputs at random states, a row each.
-        error: the largest difference of the entries from `numbers`, as a share.
-    """
-
-    def __init__(self, lettered: Lettered, program: Program, units: Sequence[str]) -> None:
-        """Args: units: of the outputs; those of the same unit compare."""
-        self._symbols, self._units, self.error = list(lettered.symbols.values()), units, 0.0
-        self._forms = Forms(lettered.symbols, PRODUCTS)
-        found = self._forms.outputs(program)
-        sizes = [max((abs(x.value) for x in form.values()), default=0.0) for form in found]
-        self.sums = list[Sums]()
-        for form, unit in zip(found, units, strict=True):
-            alike = (size for size, other in zip(sizes, units, strict=True) if other == unit)
-            least = NEGLIGIBLE * max(*alike, FLOOR * max(sizes))
-            kept = {key: _snapped(entry) for key, entry in form.items() if abs(entry.value) >= least}
-            self.sums.append(self._forms.sums(kept))
-        self._states, self.numbers = _states(lettered, program)
-
-    def entries(self, names: Mapping[Any, Any], constants: Mapping[Any, Any], whole: Floats) -> list[Any]:
-        """Return the outputs with names for what occurs often, each checked at the states; `whole` are numbers that
-        their rounding compares with."""
-        states, columns = list(self._states), list(self._symbols)
-        for symbol, constant in constants.items():
-            states.append(module().lambdify(columns, constant, "numpy")(*states))
-            columns.append(symbol)
-        out = [self._forms.assembled(sums, names) for sums in self.sums]
-        for k, expression in enumerate(out):
-            off = np.abs(module().lambdify(columns, expression, "numpy")(*states) - self.numbers[:, k])
-            alike = np.abs(self.numbers[:, [i for i, unit in enumerate(self._units) if unit == self._units[k]]])
-            for half in (slice(0, STATES // 2), slice(STATES // 2, STATES)):
-                size, own = (float(np.abs(x[half]).max()) for x in (whole, self.numbers))
-                scale = max(float(alike[half].max()), FLOOR * max(own, size) if any(self.sums) else size)
-                self.error = max(self.error, float(off[half].max()) / (scale or 1.0))
-        if self.error > TOLERANCE:
-            raise InputError(f"the closed form is {self.error:.1e} off the recursion in numbers", remedy=REMEDY)
-        return out
-
-
-def _states(lettered: Lettered, program: Program) -> tuple[list[Floats], Floats]:
-    """Return random values of each symbol, letters first at their own, and the outputs in numbers there."""
-    random, places = np.random.default_rng(0), lettered.symbols
+def _error(
+    lettered: Lettered, programs: Mapping[str, Program], entries: Mapping[str, list[Any]], constants: Mapping[Any, Any]
+) -> float:
+    """Return the largest difference of entries from programs at random states, letters first at their own values, as a
+    share of the largest entry of its unit."""
+    random, places, model = np.random.default_rng(0), lettered.symbols, lettered.plan.model
     widths = {source: 1 + max((k for name, k in places if name == source), default=-1) for source, _ in places}
     sources = {source: random.uniform(-2.0, 2.0, (STATES, width)) for source, width in widths.items()}
     if lettered.letters:
         sources[LETTERS] = random.uniform(0.5, 1.5, (STATES, len(lettered.letters)))
         sources[LETTERS][: STATES // 2] = [letter.value for letter in lettered.letters]
-    numbers = np.asarray(NumpyBlocks(program, widths)(sources, STATES), dtype=float)
-    return [sources[source][:, k] for source, k in places], numbers
+    states, columns = [sources[source][:, k] for source, k in places], list(places.values())
+    for symbol, constant in constants.items():
+        states.append(module().lambdify(columns, constant, "numpy")(*states))
+        columns.append(symbol)
+    units, error = np.array(units_of(model)), 0.0
+    pairs = np.array([" ".join(sorted((units[i], units[j]))) for i in range(model.n) for j in range(i, model.n)])
+    numbers = {name: np.asarray(NumpyBlocks(x, widths)(sources, STATES), dtype=float) for name, x in programs.items()}
+    for name, part in entries.items():
+        each = pairs if name == "M" else units
+        whole = numbers["M"] * (1.0 if name in ("M", "coriolis") else max(1.0, *map(abs, lettered.plan.scene.gravity)))
+        for k, expression in enumerate(part):
+            off = np.abs(module().lambdify(columns, expression, "numpy")(*states) - numbers[name][:, k])
+            alike = numbers[name][:, each == each[k]]
+            for half in (slice(0, STATES // 2), slice(STATES // 2, STATES)):
+                unit, own, size = (float(np.abs(x[half]).max()) for x in (alike, numbers[name], whole))
+                scale = max(unit, FLOOR * max(own, size) if any(part) else size)
+                error = max(error, float(off[half].max()) / (scale or 1.0))
+    return error
 
 
 def _snapped(entry: Coefficient) -> Coefficient:
@@ -232,10 +206,10 @@ def _snapped(entry: Coefficient) -> Coefficient:
     return entry._replace(value=short) if abs(short - entry.value) <= SHORT * abs(entry.value) else entry
 
 
-def _constants(parts: Iterable[_Part]) -> tuple[dict[Any, Any], dict[Any, Any]]:
+def _constants(sums: Iterable[Sums]) -> tuple[dict[Any, Any], dict[Any, Any]]:
     """Return symbols A_1, A_2, .. for what occurs often, and by symbol what it stands for: sums of letters, alone or
     times other letters, that occur more than once; products of at least three letters that do so more than twice."""
-    found = [x[1:] for part in parts for each in part.sums for shapes in each.values() for x in shapes.values()]
+    found = [x[1:] for each in sums for shapes in each.values() for x in shapes.values()]
     times = Counter(found)
     often = {(x, whole) for (x, whole), k in times.items() if (k > 1 if whole.args else k > 2 and x.count_ops() > 1)}
     wholes = Counter(whole for x, whole in times for _ in range(1 if (x, whole) in often else times[x, whole]))

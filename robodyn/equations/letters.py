@@ -75,11 +75,16 @@ class Lettered:
         for kind in kinds:
             if kind not in KINDS:
                 raise InputError(f"no symbols {shown(kind)}", remedy=alternatives(kind, KINDS, "symbols"))
-        self.plan, self._kinds, each = bias_plan(model, scene), kinds, range(len(model.bodies))
+        self.plan, self._kinds, bodies = bias_plan(model, scene), kinds, list(enumerate(model.bodies))
         self.letters: list[Letter] = []
         self._of: dict[tuple[Any, ...], list[int]] = {}
-        self._masses, self._offsets = [self._mass(i) for i in each], [self._offset(i) for i in each]
-        self._centres, self._about = [self._centre(i) for i in each], [self._inertia(i) for i in each]
+        masses = [float(body.inertia.m) for _, body in bodies]
+        self._masses = [
+            self._entry("m", i, f"m_{i}", m, m, body.name) for (i, body), m in zip(bodies, masses, strict=True)
+        ]
+        self._offsets = [self._offset(i) for i, _ in bodies]
+        self._centres = [self._vector("c", i, f"c_{i}", body.inertia.centre_of_mass, body.name) for i, body in bodies]
+        self._about = [self._inertia(i) for i, _ in bodies]
         self._gravity = self._of_gravity(scene)
         names = {}
         for i, axis in enumerate(AXES * 2 if model.floating else ""):
@@ -170,20 +175,6 @@ class Lettered:
     def gravity(self, tape: Tape) -> Array:
         return self._array(self._gravity, tape)
 
-    def _twin(self, i: int) -> tuple[int, ...]:
-        """What makes equal numbers of bodies of equal meaning: that the same body carries them."""
-        parent = self.plan.model.bodies[i].parent
-        return (parent,) if parent >= 0 else (-1, i)
-
-    def _mass(self, i: int) -> Any:
-        body = self.plan.model.bodies[i]
-        m = float(body.inertia.m)
-        return self._entry("m", f"m_{i}", m, abs(m), ("m", *self._twin(i)), (body.name,))
-
-    def _centre(self, i: int) -> list[Any]:
-        body = self.plan.model.bodies[i]
-        return self._vector("c", f"c_{i}", body.inertia.centre_of_mass, ("c", *self._twin(i)), body.name)
-
     def _inertia(self, i: int) -> list[Any]:
         body = self.plan.model.bodies[i]
         I, scale = np.asarray(body.inertia.about_centre, dtype=float), float(np.abs(body.inertia.I).max())
@@ -191,15 +182,14 @@ class Lettered:
         for a in range(3):
             for b in range(a, 3):
                 axes = AXES[a] + AXES[b]
-                alike = ("I", "moment" if a == b else axes, *self._twin(i))
-                entry = self._entry("I", f"I_{i}{axes}", float(I[a, b]), scale, alike, (body.name, axes))
+                entry = self._entry("I", i, f"I_{i}{axes}", float(I[a, b]), scale, body.name, axes)
                 entries[3 * a + b] = entries[3 * b + a] = entry
         return entries
 
     def _of_gravity(self, scene: Scene) -> list[Any]:
         """Return one letter along an axis; all three where the base turns, in its axes."""
         if not (self.plan.model.floating and any(scene.gravity)):
-            return self._vector("g", "g", scene.gravity, ("gravity",), "")
+            return self._vector("g", 0, "g", scene.gravity, "")
         for axis, value in zip(AXES, scene.gravity, strict=True):
             self.letters.append(Letter(f"g_{axis}", "g", float(value), MEANINGS["g"]))
         return [(1.0, len(self.letters) - 3 + k) for k in range(3)]
@@ -211,28 +201,25 @@ class Lettered:
             return list(map(float, body.joint.p))
         siblings = [k for k, other in enumerate(self.plan.model.bodies) if other.parent == j]
         name = f"l_{j}" if len(siblings) == 1 or i == siblings[0] else f"l_{j}_{i}"
-        return self._vector("l", name, body.joint.p, ("l", j), self.plan.model.bodies[j].name, short=True)
+        return self._vector("l", i, name, body.joint.p, self.plan.model.bodies[j].name)
 
-    def _vector(
-        self, kind: str, name: str, values: Any, alike: tuple[Any, ...], of: str, short: bool = False
-    ) -> list[Any]:
+    def _vector(self, kind: str, i: int, name: str, values: Any, of: str) -> list[Any]:
         scale = max(abs(float(x)) for x in values)
-        some = [k for k in range(3) if abs(values[k]) > ROUNDING * scale]
-        out: list[Any] = [0.0] * 3
-        for k in some:
-            suffix = "" if len(some) == 1 and (short or kind == "g") else AXES[k]
-            out[k] = self._entry(kind, name + suffix, float(values[k]), scale, (*alike, k), (of, AXES[k]))
-        return out
+        alone = kind in "gl" and sum(abs(float(x)) > ROUNDING * scale for x in values) == 1
+        return [
+            self._entry(kind, i, name + axis * (not alone), float(x), scale, of, axis)
+            for x, axis in zip(values, AXES, strict=True)
+        ]
 
-    def _entry(
-        self, kind: str, name: str, value: float, scale: float, alike: tuple[Any, ...], words: tuple[str, ...]
-    ) -> Any:
-        """Return a number, or (sign, index of a letter) where it has one."""
+    def _entry(self, kind: str, i: int, name: str, value: float, scale: float, of: str, axes: str = "") -> Any:
+        """Return a number of body i, or (sign, index of a letter) where it has one: its own, or that of an equal number
+        of equal meaning, of a body that the same body carries."""
         if abs(value) <= ROUNDING * scale:
             return 0.0
         if kind not in self._kinds:
             return value
-        signed = kind != "I" or alike[1] != "moment"
+        parent, moment = self.plan.model.bodies[i].parent, kind == "I" and axes[0] == axes[1]
+        alike, signed = (kind, "moment" if moment else axes, parent, i if parent < 0 else -1), not moment
         for index in self._of.get(alike, ()):
             other = self.letters[index].value
             if abs(value - other) <= ROUNDING * scale:
@@ -240,7 +227,7 @@ class Lettered:
             if signed and abs(value + other) <= ROUNDING * scale:
                 return (-1.0, index)
         sign = -1.0 if kind in "gl" and value < 0.0 else 1.0
-        self.letters.append(Letter(name, kind, sign * value, MEANINGS[kind].format(*words)))
+        self.letters.append(Letter(name, kind, sign * value, MEANINGS[kind].format(of, axes)))
         self._of.setdefault(alike, []).append(len(self.letters) - 1)
         return (sign, len(self.letters) - 1)
 
