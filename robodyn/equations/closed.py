@@ -14,6 +14,8 @@ from robodyn.equations.forms import (
     LETTERS,
     Coefficient,
     Forms,
+    Key,
+    Polynomial,
     Sums,
     TooLargeError,
     module,
@@ -37,6 +39,8 @@ TOLERANCE = 1e-12
 FLOOR = 1e-3
 """An entry is compared with the largest of its unit, or with this share of the largest of all, M among them, if that is
 more; what is zero within rounding with the largest of M."""
+NEGLIGIBLE = 1e-15
+"""A smaller share of the largest coefficient of an entry is what rounding leaves of the description's zeros."""
 DIGITS = 10
 """Decimals of up to so many digits count as short."""
 SHORT = 16 * 2.0**-52
@@ -113,7 +117,7 @@ def closed(
         what = "the closed form of this robot is too long to be read"
         fewer = "letters for fewer kinds, as --symbols m,l, make it shorter; " if symbols else ""
         raise InputError(what, remedy=fewer + REMEDY, file=model.file) from None
-    sums = {name: [forms.sums({key: _snapped(x) for key, x in form.items()}) for form in found[name]] for name in found}
+    sums = {name: [forms.sums(_snapped(form)) for form in found[name]] for name in found}
     named_by, constants = _constants(each for part in sums.values() for each in part)
     entries = {name: [forms.assembled(each, named_by) for each in part] for name, part in sums.items()}
     error = _error(lettered, programs, entries, constants)
@@ -200,10 +204,16 @@ def _error(
     return error
 
 
-def _snapped(entry: Coefficient) -> Coefficient:
-    """Return the short decimal next to a coefficient, if rounding alone can tell them apart."""
-    short = float(f"{entry.value:.{DIGITS - 1}e}")
-    return entry._replace(value=short) if abs(short - entry.value) <= SHORT * abs(entry.value) else entry
+def _snapped(form: Polynomial) -> Polynomial:
+    """Return the short decimals next to coefficients, if rounding alone can tell them apart, and no term that is but
+    rounding."""
+    out, largest = dict[Key, Coefficient](), max((abs(entry.value) for entry in form.values()), default=0.0)
+    for key, entry in form.items():
+        short = float(f"{entry.value:.{DIGITS - 1}e}")
+        near = abs(short - entry.value) <= SHORT * abs(entry.value)
+        if abs(entry.value) >= NEGLIGIBLE * largest:
+            out[key] = entry._replace(value=short) if near else entry
+    return out
 
 
 def _constants(sums: Iterable[Sums]) -> tuple[dict[Any, Any], dict[Any, Any]]:

@@ -261,7 +261,7 @@ PIECES = {
         ("return (-1.0, index)", "return (1.0, index)"),
     ],
     ("equations/test_letters.py", "equations/forms.py"): [
-        ("take(math.copysign(2.0 * value, constant), (square", "take(math.copysign(value, constant), (square"),
+        ("math.copysign(2.0 * value, constant)", "math.copysign(value, constant)"),
         ("len(shorter) < len(group)", "False"),
     ],
     ("equations/dae/test_closed_dae.py", "dynamics/loops/closure.py"): [
