@@ -19,6 +19,7 @@ import robodyn
 from robodyn.equations.closed import closed
 from robodyn.equations.letters import KINDS, Lettered
 from robodyn.errors import InputError
+from robodyn.report.renderers.latex import closed_latex
 from robodyn.report.renderers.letters import latex_of, text_of
 from robodyn.report.renderers.python import closed_python
 from robodyn.scene.scene import Scene
@@ -244,3 +245,7 @@ def test_notation():
         sympy.sqrt(q_1**2 + 1) - 2: ("sqrt(1 + q_1^2) - 2", r"\sqrt{1 + q_{1}^{2}} - 2"),
     }
     assert {x: (text_of(x), latex_of(x)) for x in written} == written
+
+
+def test_latex_of_a_body_without_joints():
+    assert r"I_{0xx}" in closed_latex(in_letters("rigid_body"))
