@@ -19,6 +19,7 @@ from robodyn.report.dae import dae_json, dae_sections
 from robodyn.report.equations import closed_json, closed_sections, ode_json, ode_sections
 from robodyn.report.renderers.latex import closed_latex, dae_latex
 from robodyn.report.renderers.python import closed_python
+from robodyn.support.wording import shown
 
 _WRITERS: dict[str, Any] = {
     "ode": (ode_sections, ode_json, None, None),
@@ -36,7 +37,13 @@ class _Format(click.Choice):  # type: ignore[type-arg,unused-ignore]
 
 def letters_of(symbols: tuple[str, ...] | None, assume: tuple[str, ...]) -> tuple[tuple[str, ...], list[str]]:
     """Return kinds of letters, and the names of those that are assumed to be positive."""
-    return symbols or (), list(map(_positive, assume))
+    positive = []
+    for text in assume:
+        name, _, zero = text.replace(" ", "").partition(">")
+        if not name or zero != "0":
+            raise InputError(f"no assumption {shown(text)}", remedy="as in --assume 'l_1>0'")
+        positive.append(name)
+    return symbols or (), positive
 
 
 SYMBOLS = together(
@@ -99,11 +106,3 @@ def command(
     writers = {"json": json, "latex": latex, "python": python}
     others: Any = {name: partial(write, found) for name, write in writers.items() if write}
     answer(call, sections(found), **others)
-
-
-def _positive(text: str) -> str:
-    """Return the letter that is assumed to be positive."""
-    name, _, zero = text.replace(" ", "").partition(">")
-    if not name or zero != "0":
-        raise InputError(f"no assumption {text!r}", remedy="as in --assume 'l_1>0'")
-    return name

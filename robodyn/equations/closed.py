@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,14 +12,12 @@ import numpy as np
 
 from robodyn.equations.forms import (
     LETTERS,
-    PRODUCTS,
     Coefficient,
     Forms,
+    Key,
     Polynomial,
     Sums,
     TooLargeError,
-    Writer,
-    expressions,
     module,
     named,
 )
@@ -29,22 +26,21 @@ from robodyn.equations.ode import check_equations, identifiers, units_of
 from robodyn.errors import InputError
 from robodyn.programs.program import Program
 from robodyn.programs.run.numpy_blocks import NumpyBlocks
-from robodyn.programs.scalar import CONSTANT, INPUT
 from robodyn.robot.model import Model
 from robodyn.scene.scene import DEFAULT, Scene
-from robodyn.support.floats import Floats
 
 MOST_JOINTS = 6
 """Coordinates of joints of a robot whose closed form can be written down; those of a base that moves come on top."""
-LONGEST = 20_000
-"""Operations of an entry that is not simplified."""
+PRODUCTS = 60_000
+"""Of terms that are formed: seconds, and entries of some ten thousand characters."""
 REMEDY = "--form ode has numbers at a configuration, robodyn export writes them as code"
 STATES = 16
 TOLERANCE = 1e-12
 FLOOR = 1e-3
-"""An entry is compared with the largest of its unit, or with this share of the largest of all if that is more."""
+"""An entry is compared with the largest of its unit, or with this share of the largest of all, M among them, if that is
+more; what is zero within rounding with the largest of M."""
 NEGLIGIBLE = 1e-15
-"""A smaller share of the largest coefficient of its unit is what rounding leaves of the description's zeros."""
+"""A smaller share of the largest coefficient of an entry is what rounding leaves of the description's zeros."""
 DIGITS = 10
 """Decimals of up to so many digits count as short."""
 SHORT = 16 * 2.0**-52
@@ -63,7 +59,6 @@ class Closed:
         constants: sums of letters that occur more than once, by symbol; a later one may contain earlier ones.
         M: rows of entries.
         bias: entries of each part, by effect: gravity, coriolis, frictions and so on.
-        plain: how many entries are left as the recursion makes them, unsimplified.
         error: the largest difference from the recursion in numbers, relative to the largest entry of its unit.
     """
 
@@ -78,7 +73,6 @@ class Closed:
     constants: Mapping[Any, Any]
     M: tuple[tuple[Any, ...], ...]
     bias: Mapping[str, tuple[Any, ...]]
-    plain: int
     error: float
 
     @property
@@ -92,7 +86,6 @@ class Closed:
 def closed(
     model: Model,
     scene: Scene = DEFAULT,
-    products: int = PRODUCTS,
     symbols: Sequence[str] = (),
     positive: Iterable[str] = (),
 ) -> Closed:
@@ -100,28 +93,36 @@ def closed(
 
     The traced recursion, run on trigonometric polynomials: every entry is a sum of sines and cosines of sums of angles,
     which is unique. Each entry is then compared with the recursion in numbers at random states, half of them at random
-    values of the letters; one that differs, or that needs too much work, is left as the recursion makes it.
+    values of the letters.
 
     Args:
-        products: of terms that may be formed for M and for each effect.
         symbols: kinds of numbers that get letters, of `letters.KINDS`; positive: letters that SymPy may take to be.
 
     Raises:
-        InputError: the robot is too large, there are no equations, no such letters, or SymPy is not installed.
+        InputError: the robot or its closed form is too large, there are no equations, no such letters, an entry differs
+            from the recursion, or SymPy is not installed.
 
     Accuracy: every entry within 1e-12 of the largest of its unit.
     """
     check_equations(model, scene)
     _check_size(model, scene)
     lettered = Lettered(model, scene, symbols, positive)
-    n, units = model.n, units_of(model)
-    pairs = [" ".join(sorted((units[i], units[j]))) for i in range(n) for j in range(i, n)]
-    parts = {"M": _Part(lettered, lettered.mass(upper=True), pairs, products)}
-    for effect in lettered.plan.effects:
-        if effect.name != "mimic":
-            parts[effect.name] = _Part(lettered, lettered.share(effect), units, products)
-    named_by, constants = _constants(parts.values())
-    entries = {name: part.entries(named_by, constants) for name, part in parts.items()}
+    n = model.n
+    programs = {"M": lettered.mass()}
+    programs |= {effect.name: lettered.share(effect) for effect in lettered.plan.effects if effect.name != "mimic"}
+    forms = Forms(lettered.symbols, PRODUCTS)
+    try:
+        found = {name: forms.outputs(program) for name, program in programs.items()}
+    except TooLargeError:
+        what = "the closed form of this robot is too long to be read"
+        fewer = "letters for fewer kinds, as --symbols m,l, make it shorter; " if symbols else ""
+        raise InputError(what, remedy=fewer + REMEDY, file=model.file) from None
+    sums = {name: [forms.sums(_snapped(form)) for form in found[name]] for name in found}
+    named_by, constants = _constants(each for part in sums.values() for each in part)
+    entries = {name: [forms.assembled(each, named_by) for each in part] for name, part in sums.items()}
+    error = _error(lettered, programs, entries, constants)
+    if error > TOLERANCE:
+        raise InputError(f"the closed form is {error:.1e} off the recursion in numbers", remedy=REMEDY, file=model.file)
     upper = iter(entries.pop("M"))
     triangle = {(i, j): next(upper) for i in range(n) for j in range(i, n)}
     used = set[Any]().union(*(x.free_symbols for part in (triangle.values(), *entries.values()) for x in part))
@@ -145,8 +146,7 @@ def closed(
         constants={symbol: whole for symbol, whole in constants.items() if symbol in used},
         M=tuple(tuple(triangle[min(i, j), max(i, j)].xreplace(names) for j in range(n)) for i in range(n)),
         bias={name: tuple(x.xreplace(names) for x in part) for name, part in entries.items()},
-        plain=sum(part.plain for part in parts.values()),
-        error=max(part.error for part in parts.values()),
+        error=error,
     )
 
 
@@ -173,87 +173,53 @@ def _by_joint(model: Model, lettered: Lettered) -> dict[Any, Any]:
     return out
 
 
-class _Part:
-    """M or the part of an effect.
-
-    Attributes:
-        sums: of each output, empty if that is too much work.
-        plain: how many entries are left as the recursion makes them; error: of the others.
-    """
-
-    def __init__(self, lettered: Lettered, program: Program, units: Sequence[str], products: int) -> None:
-        """Args: units: of the outputs; those of the same unit compare."""
-        self._lettered, self._program, self._units = lettered, program, units
-        self.plain, self.error, self.sums = 0, 0.0, list[Sums]()
-        forms, found = Forms(lettered.symbols, products), list[Polynomial]()
-        self._writer = Writer(forms)
-        with suppress(TooLargeError):
-            found = forms.outputs(program)
-        sizes = [max((abs(x.value) for x in form.values()), default=0.0) for form in found]
-        for form, unit in zip(found, units, strict=False):
-            alike = (size for size, other in zip(sizes, units, strict=True) if other == unit)
-            least = NEGLIGIBLE * max(*alike, FLOOR * max(sizes))
-            kept = {key: _snapped(entry) for key, entry in form.items() if abs(entry.value) >= least}
-            self.sums.append(self._writer.sums(kept))
-
-    def entries(self, names: Mapping[Any, Any], constants: Mapping[Any, Any]) -> list[Any]:
-        """Return the outputs with names for what occurs often, each checked at random states."""
-        symbols = self._lettered.symbols
-        states, numbers = self._states()
-        columns = list(symbols.values())
-        for symbol, whole in constants.items():
-            states.append(module().lambdify(columns, whole, "numpy")(*states))
-            columns.append(symbol)
-        out: list[Any] = [None] * len(self._units)
-        for k, sums in enumerate(self.sums):
-            expression = self._writer.assembled(sums, names)
-            off = np.abs(module().lambdify(columns, expression, "numpy")(*states) - numbers[:, k])
-            alike = np.abs(numbers[:, [i for i, unit in enumerate(self._units) if unit == self._units[k]]])
-            error = 0.0
+def _error(
+    lettered: Lettered, programs: Mapping[str, Program], entries: Mapping[str, list[Any]], constants: Mapping[Any, Any]
+) -> float:
+    """Return the largest difference of entries from programs at random states, letters first at their own values, as a
+    share of the largest entry of its unit."""
+    random, places, model = np.random.default_rng(0), lettered.symbols, lettered.plan.model
+    widths = {source: 1 + max((k for name, k in places if name == source), default=-1) for source, _ in places}
+    sources = {source: random.uniform(-2.0, 2.0, (STATES, width)) for source, width in widths.items()}
+    if lettered.letters:
+        sources[LETTERS] = random.uniform(0.5, 1.5, (STATES, len(lettered.letters)))
+        sources[LETTERS][: STATES // 2] = [letter.value for letter in lettered.letters]
+    states, columns = [sources[source][:, k] for source, k in places], list(places.values())
+    for symbol, constant in constants.items():
+        states.append(module().lambdify(columns, constant, "numpy")(*states))
+        columns.append(symbol)
+    units, error = np.array(units_of(model)), 0.0
+    pairs = np.array([" ".join(sorted((units[i], units[j]))) for i in range(model.n) for j in range(i, model.n)])
+    numbers = {name: np.asarray(NumpyBlocks(x, widths)(sources, STATES), dtype=float) for name, x in programs.items()}
+    for name, part in entries.items():
+        each = pairs if name == "M" else units
+        whole = numbers["M"] * (1.0 if name in ("M", "coriolis") else max(1.0, *map(abs, lettered.plan.scene.gravity)))
+        for k, expression in enumerate(part):
+            off = np.abs(module().lambdify(columns, expression, "numpy")(*states) - numbers[name][:, k])
+            alike = numbers[name][:, each == each[k]]
             for half in (slice(0, STATES // 2), slice(STATES // 2, STATES)):
-                scale = max(float(alike[half].max()), FLOOR * float(np.abs(numbers[half]).max()))
+                unit, own, size = (float(np.abs(x[half]).max()) for x in (alike, numbers[name], whole))
+                scale = max(unit, FLOOR * max(own, size) if any(part) else size)
                 error = max(error, float(off[half].max()) / (scale or 1.0))
-            if error <= TOLERANCE:
-                out[k], self.error = expression, max(self.error, error)
-        if (plain := out.count(None)) > 0:
-            self._check_length()
-            whole = expressions(self._program, symbols)
-            out = [whole[k] if entry is None else entry for k, entry in enumerate(out)]
-        self.plain = plain
-        return out
-
-    def _states(self) -> tuple[list[Floats], Floats]:
-        """Return random values of each symbol, letters first at their own, and the outputs in numbers there."""
-        random, places = np.random.default_rng(0), self._lettered.symbols
-        letters = self._lettered.letters
-        widths = {source: 1 + max((k for name, k in places if name == source), default=-1) for source, _ in places}
-        sources = {source: random.uniform(-2.0, 2.0, (STATES, width)) for source, width in widths.items()}
-        if letters:
-            sources[LETTERS] = random.uniform(0.5, 1.5, (STATES, len(letters)))
-            sources[LETTERS][: STATES // 2] = [letter.value for letter in letters]
-        numbers = np.asarray(NumpyBlocks(self._program, widths)(sources, STATES), dtype=float)
-        return [sources[source][:, k] for source, k in places], numbers
-
-    def _check_length(self) -> None:
-        lengths: list[int] = []
-        for op, a, b in self._program.operations:
-            leaf = op is INPUT or op is CONSTANT
-            lengths.append(1 if leaf else 1 + lengths[a] + (0 if b is None else lengths[b]))
-        longest = max(lengths[k] for k in self._program.outputs)
-        if longest > LONGEST:
-            raise InputError(f"the closed form of this robot has an entry of {longest} operations", remedy=REMEDY)
+    return error
 
 
-def _snapped(entry: Coefficient) -> Coefficient:
-    """Return the short decimal next to a coefficient, if rounding alone can tell them apart."""
-    short = float(f"{entry.value:.{DIGITS - 1}e}")
-    return entry._replace(value=short) if abs(short - entry.value) <= SHORT * abs(entry.value) else entry
+def _snapped(form: Polynomial) -> Polynomial:
+    """Return the short decimals next to coefficients, if rounding alone can tell them apart, and no term that is but
+    rounding."""
+    out, largest = dict[Key, Coefficient](), max((abs(entry.value) for entry in form.values()), default=0.0)
+    for key, entry in form.items():
+        short = float(f"{entry.value:.{DIGITS - 1}e}")
+        near = abs(short - entry.value) <= SHORT * abs(entry.value)
+        if abs(entry.value) >= NEGLIGIBLE * largest:
+            out[key] = entry._replace(value=short) if near else entry
+    return out
 
 
-def _constants(parts: Iterable[_Part]) -> tuple[dict[Any, Any], dict[Any, Any]]:
+def _constants(sums: Iterable[Sums]) -> tuple[dict[Any, Any], dict[Any, Any]]:
     """Return symbols A_1, A_2, .. for what occurs often, and by symbol what it stands for: sums of letters, alone or
     times other letters, that occur more than once; products of at least three letters that do so more than twice."""
-    found = [x[1:] for part in parts for each in part.sums for shapes in each.values() for x in shapes.values()]
+    found = [x[1:] for each in sums for shapes in each.values() for x in shapes.values()]
     times = Counter(found)
     often = {(x, whole) for (x, whole), k in times.items() if (k > 1 if whole.args else k > 2 and x.count_ops() > 1)}
     wholes = Counter(whole for x, whole in times for _ in range(1 if (x, whole) in often else times[x, whole]))

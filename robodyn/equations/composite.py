@@ -149,7 +149,7 @@ def in_letters(
         return [x for array in (found.point, found.place, found.first, *shares) for x in np.ravel(array)]
 
     try:
-        written = lettered.written(lettered.program(outputs), PRODUCTS, LONGEST)
+        written = lettered.written(lettered.program(outputs), LONGEST, PRODUCTS)
     except TooLargeError:
         what = "the expressions of these bodies are too long"
         remedy = "fewer --links, --about origin, fewer letters as --symbols m, or --at for numbers"

@@ -7,11 +7,10 @@ import math
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from decimal import Decimal
-from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from robodyn.programs.program import Program
-from robodyn.programs.scalar import ADD, CONSTANT, COS, DIV, EXP, INPUT, MUL, NEG, SIGN, SIN, SQRT, SUB
+from robodyn.programs.scalar import ADD, CONSTANT, COS, DIV, EXP, INPUT, MUL, NEG, SIGN, SIN, SQRT
 from robodyn.support.extras import need
 
 Symbols = Mapping[tuple[str, int], Any]
@@ -113,7 +112,7 @@ def _waves(left: Key, right: Key) -> list[tuple[str, Angle, float]]:
 def combined_angles(a: Angle, b: Angle, sign: float) -> Angle:
     width = max(len(a), len(b))
     padded = zip(a + (0.0,) * (width - len(a)), b + (0.0,) * (width - len(b)), strict=True)
-    return tuple(x + sign * y for x, y in padded)
+    return tuple(round(x + sign * y, 14) for x, y in padded)
 
 
 def upright(kind: str, angle: Angle) -> tuple[Angle, float]:
@@ -129,9 +128,25 @@ def _pruned(terms: Polynomial) -> Polynomial:
     return {key: entry for key, entry in terms.items() if abs(entry.value) > ROUNDING * entry.size}
 
 
+Wave = tuple[str, Angle]
+"""A sine or cosine of an angle, in multiples of the generators."""
+UNIT: Wave = ("cos", ())
+Monomial = tuple[int, ...]
+"""Generators, each as often as its power."""
+Shape = tuple[Monomial, tuple[Wave, ...]]
+"""What an entry's coefficients are multiplied by: powers of coordinates, and sines and cosines."""
+Coefficients = dict[Monomial, float]
+"""A polynomial in letters."""
+
+
+Sums = dict[Monomial, dict[Shape, tuple[Any, Any, Any]]]
+"""By product of rates and by shape, a number, a product of letters and a sum of letters."""
+
+
 class Forms:
-    """Programs in the arithmetic of trigonometric polynomials. What is no such polynomial (the sign of a speed, a root)
-    becomes a generator of its own, with its argument written out.
+    """Programs in the arithmetic of trigonometric polynomials, and these as a person would write them: for each product
+    of rates and each product of sines and cosines one coefficient, collected by masses. What is no such polynomial (the
+    sign of a speed, a root) becomes a generator of its own, with its argument written out.
 
     Attributes:
         generators: the symbols, then what became a generator on the way.
@@ -167,12 +182,12 @@ class Forms:
         if b is None:
             if op is NEG:
                 return total({}, a, -1.0)
-            return self._turned(op, a) if op in (SIN, COS) else self._opaque(operations()[op](expression(self, a)))
+            return self._turned(op, a) if op in (SIN, COS) else self._opaque(functions()[op](self.expression(a)))
         if op is MUL:
             return self._product(a, b)
         if op is DIV:
             angle, divisor = linear(b) or ((1.0,), 0.0)
-            inverse = self._opaque(1 / expression(self, b)) if angle else constant(1.0 / divisor)
+            inverse = self._opaque(1 / self.expression(b)) if angle else constant(1.0 / divisor)
             return self._product(a, inverse)
         return total(a, b, 1.0 if op is ADD else -1.0)
 
@@ -194,7 +209,7 @@ class Forms:
         """Return the sine or cosine of a; a constant in the angle turns one into the other."""
         known = linear(a)
         if known is None:
-            return self._opaque(operations()[op](expression(self, a)))
+            return self._opaque(functions()[op](self.expression(a)))
         angle, offset = known
         sine, cosine = wave("sin", angle), wave("cos", angle)
         first, second = (cosine, sine) if op is COS else (sine, cosine)
@@ -212,33 +227,10 @@ class Forms:
             self.generators.append(expression)
         return {Key((self._places[expression],), "cos", ()): Coefficient(1.0, 1.0)}
 
-
-Wave = tuple[str, Angle]
-"""A sine or cosine of an angle, in multiples of the generators."""
-UNIT: Wave = ("cos", ())
-Monomial = tuple[int, ...]
-"""Generators, each as often as its power."""
-Shape = tuple[Monomial, tuple[Wave, ...]]
-"""What an entry's coefficients are multiplied by: powers of coordinates, and sines and cosines."""
-Coefficients = dict[Monomial, float]
-"""A polynomial in letters."""
-
-
-Sums = dict[Monomial, dict[Shape, tuple[Any, Any, Any]]]
-"""By product of rates and by shape, a number, a product of letters and a sum of letters."""
-
-
-class Writer:
-    """Writes polynomials of `forms` as a person would: for each product of rates and each product of sines and cosines
-    one coefficient, collected by masses."""
-
-    def __init__(self, forms: Forms) -> None:
-        self._forms, self._symbols = forms, forms.generators
-
     def sums(self, form: Polynomial) -> Sums:
         waves: dict[tuple[Monomial, ...], dict[Wave, float]] = defaultdict(dict)
         for key, coefficient in form.items():
-            rates, letters, others = (self._forms.part(key.powers, *x) for x in (("qd", "qdd"), (LETTERS,), ()))
+            rates, letters, others = (self.part(key.powers, *x) for x in (("qd", "qdd"), (LETTERS,), ()))
             waves[rates, others, letters][key.wave, key.angle] = coefficient.value
         found: dict[Monomial, dict[Shape, Coefficients]] = defaultdict(lambda: defaultdict(lambda: defaultdict(float)))
         for (rates, others, letters), sum_of in waves.items():
@@ -250,13 +242,13 @@ class Writer:
         }
 
     def monomial(self, powers: Iterable[int]) -> Any:
-        return module().Mul(*(self._symbols[k] for k in powers))
+        return module().Mul(*(self.generators[k] for k in powers))
 
     def shape(self, shape: Shape) -> Any:
         sympy, (powers, waves) = module(), shape
         out = self.monomial(powers)
         for name, angle in waves:
-            out *= getattr(sympy, name)(sympy.Add(*(number(x) * self._symbols[k] for k, x in enumerate(angle))))
+            out *= getattr(sympy, name)(sympy.Add(*(number(x) * self.generators[k] for k, x in enumerate(angle))))
         return out
 
     def coefficient(self, polynomial: Coefficients) -> tuple[Any, Any, Any]:
@@ -273,7 +265,7 @@ class Writer:
         scale = -scale if rest[0][1] < 0.0 else scale
         masses: dict[int | None, list[Any]] = defaultdict(list)
         for powers, x in rest:
-            mass = next((k for k in powers if self._symbols[k].name.startswith("m_")), None)
+            mass = next((k for k in powers if self.generators[k].name.startswith("m_")), None)
             left = list(powers)
             if mass is not None:
                 left.remove(mass)
@@ -281,14 +273,14 @@ class Writer:
         terms = []
         for mass, parts in masses.items():
             whole = sympy.Add(*parts)
-            if len(parts) <= FACTORED:
+            if len(parts) <= FACTORED and not whole.has(sympy.Float):
                 whole = sympy.factor(whole)
-            terms.append(whole if mass is None else self._symbols[mass] * whole)
+            terms.append(whole if mass is None else self.generators[mass] * whole)
         return number(scale), self.monomial(common.elements()), sympy.Add(*terms)
 
-    def assembled(self, sums: Sums, names: Mapping[Any, Any] = MappingProxyType({}), gather: bool = False) -> Any:
-        """Return the SymPy expression; `names` are symbols for sums and products that are written once, elsewhere.
-        Gather what the terms of a product of rates have in common."""
+    def assembled(self, sums: Sums, names: Mapping[Any, Any]) -> Any:
+        """Return the SymPy expression, with what the terms of a product of rates have in common before them; `names`
+        are symbols for sums and products that are written once, elsewhere."""
         sympy = module()
         groups = []
         for rates, shapes in sums.items():
@@ -296,8 +288,12 @@ class Writer:
                 sympy.Mul(x, named(product, whole, names), self.shape(shape))
                 for shape, (x, product, whole) in shapes.items()
             ]
-            groups.append(gathered(self.monomial(rates), terms) if gather else self.monomial(rates) * sympy.Add(*terms))
+            groups.append(gathered(self.monomial(rates), terms))
         return sympy.Add(*groups)
+
+    def expression(self, form: Polynomial) -> Any:
+        """Return the SymPy expression of a form by itself."""
+        return self.assembled(self.sums(form), {})
 
 
 def gathered(rates: Any, terms: Sequence[Any]) -> Any:
@@ -318,13 +314,35 @@ def named(product: Any, whole: Any, names: Mapping[Any, Any]) -> Any:
     return names.get(product * whole) or product * names.get(whole, whole)
 
 
-def expression(forms: Forms, form: Polynomial) -> Any:
-    """Return the SymPy expression of a form by itself."""
-    writer = Writer(forms)
-    return writer.assembled(writer.sums(form), gather=True)
-
-
 def products(waves: Mapping[Wave, float]) -> dict[tuple[Wave, ...], float]:
+    """Return a sum of sines and cosines as products where these are shorter: pairs of the waves, then, as long as terms
+    become fewer, pairs of what remains of terms that have all else in common."""
+    out, fewer = _pairs(waves), True
+    while fewer:
+        groups: dict[tuple[Wave, ...], dict[Wave, tuple[Wave, ...]]] = defaultdict(dict)
+        for product in out:
+            for k, other in enumerate(product):
+                groups[product[:k] + product[k + 1 :]][other] = product
+        for common, group in groups.items():
+            fewer = False
+            if common:
+                if common in out:
+                    group[UNIT] = common
+                shorter = _pairs({other: out[product] for other, product in group.items()})
+                fewer = len(shorter) < len(group)
+            if fewer:
+                for product in group.values():
+                    del out[product]
+                for product, value in shorter.items():
+                    whole = tuple(sorted(common + product))
+                    out[whole] = out.get(whole, 0.0) + value
+                break
+        else:
+            fewer = False
+    return out
+
+
+def _pairs(waves: Mapping[Wave, float]) -> dict[tuple[Wave, ...], float]:
     """Return a sum of sines and cosines as products where these are shorter: a constant and cos 2a as squares, then
     pairs of equal coefficients, cos(a + b) + cos(a - b) as 2 cos a cos b and the like, of sums of coordinates a, b."""
     left, out = dict(waves), dict[tuple[Wave, ...], float]()
@@ -371,11 +389,6 @@ def products(waves: Mapping[Wave, float]) -> dict[tuple[Wave, ...], float]:
     return out
 
 
-def expressions(program: Program, symbols: Symbols) -> list[Any]:
-    """Return the outputs of a program as SymPy expressions of its inputs, which are symbols or expressions."""
-    return program.evaluated(lambda source, column: symbols[source, column], number, operations())
-
-
 def number(value: float) -> Any:
     """Return a SymPy number: the rational that a short decimal stands for, else a float of 17 digits."""
     sympy = module()
@@ -385,20 +398,9 @@ def number(value: float) -> Any:
     return sympy.Float(float(value), 17)
 
 
-def operations() -> dict[str, Callable[..., Any]]:
+def functions() -> dict[str, Callable[[Any], Any]]:
     sympy = module()
-    return {
-        ADD: sympy.Add,
-        MUL: sympy.Mul,
-        SUB: lambda a, b: a - b,
-        DIV: lambda a, b: a / b,
-        NEG: lambda a: -a,
-        SQRT: sympy.sqrt,
-        SIN: sympy.sin,
-        COS: sympy.cos,
-        SIGN: sympy.sign,
-        EXP: sympy.exp,
-    }
+    return {SQRT: sympy.sqrt, SIN: sympy.sin, COS: sympy.cos, SIGN: sympy.sign, EXP: sympy.exp}
 
 
 def module() -> Any:

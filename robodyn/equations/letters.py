@@ -16,7 +16,7 @@ import numpy as np
 from robodyn.dynamics.effects.effect import Effect, Sample
 from robodyn.dynamics.plan import Plan, applied, at_rest, loads
 from robodyn.equations.forms import LETTERS as SOURCE
-from robodyn.equations.forms import PRODUCTS, Forms, TooLargeError, expression, module
+from robodyn.equations.forms import PRODUCTS, Forms, TooLargeError, module
 from robodyn.equations.ode import bias_plan
 from robodyn.errors import InputError
 from robodyn.programs.derivative import jacobian
@@ -52,140 +52,6 @@ class Letter:
     meaning: str
 
 
-class Letters:
-    """The letters of a model: in their order, and the place of each in its bodies.
-
-    Attributes:
-        all: the letters.
-    """
-
-    def __init__(self, model: Model, scene: Scene, kinds: Sequence[str] = KINDS) -> None:
-        """Raises InputError for a kind that is none of KINDS."""
-        for kind in kinds:
-            if kind not in KINDS:
-                raise InputError(f"no symbols {kind!r}", remedy=alternatives(kind, KINDS, "symbols"))
-        self._kinds, self._model = kinds, model
-        self.all: list[Letter] = []
-        self._of: dict[tuple[Any, ...], list[int]] = {}
-        each = range(len(model.bodies))
-        self._masses, self._offsets = [self._mass(i) for i in each], [self._offset(i) for i in each]
-        self._centres, self._about = [self._centre(i) for i in each], [self._inertia(i) for i in each]
-        self._gravity = self._of_gravity(scene)
-
-    @property
-    def values(self) -> list[float]:
-        return [letter.value for letter in self.all]
-
-    def model(self, model: Model, tape: Tape) -> Model:
-        """Return the same model with inputs of the tape for its letters; its arrays are of objects."""
-        bodies = []
-        for i, body in enumerate(model.bodies):
-            (mass, centre, about), p = self.mass_properties(i, tape), self._array(self._offsets[i], tape)
-            moment = centre * mass
-            S = skew(centre)
-            inertia = Inertia(mass, moment, about - (S @ S) * mass)
-            joint = replace(body.joint, p=p, R=snapped(body.joint.R), axis=snapped(body.joint.axis))
-            bodies.append(replace(body, inertia=inertia, joint=joint))
-        return replace(model, bodies=tuple(bodies))
-
-    def mass_properties(self, i: int, tape: Tape) -> tuple[Scalar, Array, Array]:
-        """Return mass, mass centre and inertia matrix about it of body i, in its axes."""
-        centre, about = (self._array(x[i], tape) for x in (self._centres, self._about))
-        return self._scalar(self._masses[i], tape), centre, about.reshape(3, 3)
-
-    def gravity(self, tape: Tape) -> Array:
-        return self._array(self._gravity, tape)
-
-    def _twin(self, i: int) -> tuple[int, ...]:
-        """What makes equal numbers of bodies of equal meaning: that the same body carries them."""
-        parent = self._model.bodies[i].parent
-        return (parent,) if parent >= 0 else (-1, i)
-
-    def _mass(self, i: int) -> Any:
-        body = self._model.bodies[i]
-        m = float(body.inertia.m)
-        return self._entry("m", f"m_{i}", m, abs(m), ("m", *self._twin(i)), (body.name,))
-
-    def _centre(self, i: int) -> list[Any]:
-        body = self._model.bodies[i]
-        return self._vector("c", f"c_{i}", body.inertia.centre_of_mass, ("c", *self._twin(i)), body.name)
-
-    def _inertia(self, i: int) -> list[Any]:
-        body = self._model.bodies[i]
-        I, scale = np.asarray(body.inertia.about_centre, dtype=float), float(np.abs(body.inertia.I).max())
-        entries: list[Any] = [0.0] * 9
-        for a in range(3):
-            for b in range(a, 3):
-                axes = AXES[a] + AXES[b]
-                alike = ("I", "moment" if a == b else axes, *self._twin(i))
-                entry = self._entry("I", f"I_{i}{axes}", float(I[a, b]), scale, alike, (body.name, axes))
-                entries[3 * a + b] = entries[3 * b + a] = entry
-        return entries
-
-    def _of_gravity(self, scene: Scene) -> list[Any]:
-        """Return one letter along an axis; all three where the base turns, in its axes."""
-        if not (self._model.floating and any(scene.gravity)):
-            return self._vector("g", "g", scene.gravity, ("gravity",), "")
-        for axis, value in zip(AXES, scene.gravity, strict=True):
-            self.all.append(Letter(f"g_{axis}", "g", float(value), MEANINGS["g"]))
-        return [(1.0, len(self.all) - 3 + k) for k in range(3)]
-
-    def _offset(self, i: int) -> list[Any]:
-        body = self._model.bodies[i]
-        j = body.parent
-        if j < 0:
-            return list(map(float, body.joint.p))
-        siblings = [k for k, other in enumerate(self._model.bodies) if other.parent == j]
-        name = f"l_{j}" if len(siblings) == 1 or i == siblings[0] else f"l_{j}_{i}"
-        return self._vector("l", name, body.joint.p, ("l", j), self._model.bodies[j].name, short=True)
-
-    def _vector(
-        self, kind: str, name: str, values: Any, alike: tuple[Any, ...], of: str, short: bool = False
-    ) -> list[Any]:
-        scale = max(abs(float(x)) for x in values)
-        some = [k for k in range(3) if abs(values[k]) > ROUNDING * scale]
-        out: list[Any] = [0.0] * 3
-        for k in some:
-            suffix = "" if len(some) == 1 and (short or kind == "g") else AXES[k]
-            out[k] = self._entry(kind, name + suffix, float(values[k]), scale, (*alike, k), (of, AXES[k]))
-        return out
-
-    def _entry(
-        self, kind: str, name: str, value: float, scale: float, alike: tuple[Any, ...], words: tuple[str, ...]
-    ) -> Any:
-        """Return a number, or (sign, index of a letter) where it has one."""
-        if abs(value) <= ROUNDING * scale:
-            return 0.0
-        if kind not in self._kinds:
-            return value
-        signed = kind != "I" or alike[1] != "moment"
-        for index in self._of.get(alike, ()):
-            other = self.all[index].value
-            if abs(value - other) <= ROUNDING * scale:
-                return (1.0, index)
-            if signed and abs(value + other) <= ROUNDING * scale:
-                return (-1.0, index)
-        sign = -1.0 if kind in "gl" and value < 0.0 else 1.0
-        self.all.append(Letter(name, kind, sign * value, MEANINGS[kind].format(*words)))
-        self._of.setdefault(alike, []).append(len(self.all) - 1)
-        return (sign, len(self.all) - 1)
-
-    def _scalar(self, entry: Any, tape: Tape) -> Scalar:
-        return entry[0] * tape.input(SOURCE, entry[1]) if isinstance(entry, tuple) else entry
-
-    def _array(self, entries: Sequence[Any], tape: Tape) -> Array:
-        out = np.empty(len(entries), dtype=object)
-        out[:] = [self._scalar(entry, tape) for entry in entries]
-        return out
-
-
-def snapped(values: Any) -> Array:
-    """Return entries that rounding alone tells from 0, 1 or -1 as these."""
-    nearest = np.round(np.asarray(values, dtype=float))
-    close = np.abs(values - nearest) <= ROUNDING
-    return np.where(close, nearest + 0.0, values).astype(object)
-
-
 class Lettered:
     """A robot in a scene with letters for its numbers: what the recursions make of it, as SymPy expressions that a
     person would write.
@@ -206,10 +72,22 @@ class Lettered:
 
         Raises: InputError for a kind that is none of KINDS, or a positive name of no letter or of one that is not.
         """
-        self.plan, self._letters = bias_plan(model, scene), Letters(model, scene, kinds)
-        self.letters, names = tuple(self._letters.all), {}
-        first = 6 if model.floating else 0
-        for i, axis in enumerate(("x", "y", "z") * 2 if first else ""):
+        for kind in kinds:
+            if kind not in KINDS:
+                raise InputError(f"no symbols {shown(kind)}", remedy=alternatives(kind, KINDS, "symbols"))
+        self.plan, self._kinds, bodies = bias_plan(model, scene), kinds, list(enumerate(model.bodies))
+        self.letters: list[Letter] = []
+        self._of: dict[tuple[Any, ...], list[int]] = {}
+        masses = [float(body.inertia.m) for _, body in bodies]
+        self._masses = [
+            self._entry("m", i, f"m_{i}", m, m, body.name) for (i, body), m in zip(bodies, masses, strict=True)
+        ]
+        self._offsets = [self._offset(i) for i, _ in bodies]
+        self._centres = [self._vector("c", i, f"c_{i}", body.inertia.centre_of_mass, body.name) for i, body in bodies]
+        self._about = [self._inertia(i) for i, _ in bodies]
+        self._gravity = self._of_gravity(scene)
+        names = {}
+        for i, axis in enumerate(AXES * 2 if model.floating else ""):
             letter = "w" if i < 3 else "v"
             names["qd", i], names["qdd", i] = f"{letter}_{axis}", f"{'wd' if i < 3 else 'a'}_{axis}"
         for k, body in enumerate(model.bodies):
@@ -234,40 +112,32 @@ class Lettered:
         if sample.model.floating:
             sample = replace(sample, q=(*[0.0] * 6, 1.0, *sample.q[7:]))
         accelerations = tuple(tape.input("qdd", i) for i in range(sample.model.n))
-        return replace(sample, model=self._letters.model(sample.model, tape), qdd=accelerations)
-
-    def gravity(self, tape: Tape) -> Array:
-        return self._letters.gravity(tape)
-
-    def mass_properties(self, i: int, tape: Tape) -> tuple[Scalar, Array, Array]:
-        return self._letters.mass_properties(i, tape)
+        return replace(sample, model=self._model(sample.model, tape), qdd=accelerations)
 
     def program(self, outputs: Callable[[Tape, Sample], Iterable[Scalar]]) -> Program:
         """Return the program of scalars that are made of a sample."""
         return trace(lambda tape: outputs(tape, self.sample(tape)))
 
-    def written(self, program: Program, allowed: int = PRODUCTS, longest: float = math.inf) -> list[Any]:
+    def written(self, program: Program, longest: float = math.inf, products: int = PRODUCTS) -> list[Any]:
         """Return the outputs of a program as SymPy expressions, each by itself.
 
-        Raises: TooLargeError where more products of terms would be formed than are allowed, or an output has more terms
-            than `longest`.
+        Raises: TooLargeError where more `products` of terms would be formed, or an output has more terms than `longest`.
         """
-        forms = Forms(self.symbols, allowed)
+        forms = Forms(self.symbols, products)
         found = forms.outputs(program)
         if max(map(len, found), default=0) > longest:
             raise TooLargeError
-        return [expression(forms, form) for form in found]
+        return [forms.expression(form) for form in found]
 
-    def mass(self, upper: bool = False) -> Program:
-        """M, row by row, or of each row what is not left of the diagonal: the derivative of the torques by the
-        accelerations."""
+    def mass(self) -> Program:
+        """M, the derivative of the torques by the accelerations: of each row what is not left of the diagonal."""
 
         def outputs(tape: Tape, sample: Sample) -> Iterable[Scalar]:
             moving = replace(sample, qd=(0.0,) * sample.model.n)
             effects = [effect for effect in Plan(self.plan.model, self.plan.scene).effects if not effect.by_load]
             terms = replace(applied(effects, moving, self.plan.scene), gravity=ZERO)
             rows = jacobian(loads(moving, terms).tau, [{rate: 1.0} for rate in sample.qdd])
-            return [x for i, row in enumerate(rows) for x in row[i if upper else 0 :]]
+            return [x for i, row in enumerate(rows) for x in row[i:]]
 
         return self.program(outputs)
 
@@ -284,3 +154,94 @@ class Lettered:
             return loads(still, effect.add(effect.background(at_rest(still), still, scene), still, scene)).tau
 
         return self.program(outputs)
+
+    def _model(self, model: Model, tape: Tape) -> Model:
+        """Return the same model with inputs of the tape for its letters; its arrays are of objects."""
+        bodies = []
+        for i, body in enumerate(model.bodies):
+            (mass, centre, about), p = self.mass_properties(i, tape), self._array(self._offsets[i], tape)
+            moment = centre * mass
+            S = skew(centre)
+            inertia = Inertia(mass, moment, about - (S @ S) * mass)
+            joint = replace(body.joint, p=p, R=snapped(body.joint.R), axis=snapped(body.joint.axis))
+            bodies.append(replace(body, inertia=inertia, joint=joint))
+        return replace(model, bodies=tuple(bodies))
+
+    def mass_properties(self, i: int, tape: Tape) -> tuple[Scalar, Array, Array]:
+        """Return mass, mass centre and inertia matrix about it of body i, in its axes."""
+        centre, about = (self._array(x[i], tape) for x in (self._centres, self._about))
+        return self._scalar(self._masses[i], tape), centre, about.reshape(3, 3)
+
+    def gravity(self, tape: Tape) -> Array:
+        return self._array(self._gravity, tape)
+
+    def _inertia(self, i: int) -> list[Any]:
+        body = self.plan.model.bodies[i]
+        I, scale = np.asarray(body.inertia.about_centre, dtype=float), float(np.abs(body.inertia.I).max())
+        entries: list[Any] = [0.0] * 9
+        for a in range(3):
+            for b in range(a, 3):
+                axes = AXES[a] + AXES[b]
+                entry = self._entry("I", i, f"I_{i}{axes}", float(I[a, b]), scale, body.name, axes)
+                entries[3 * a + b] = entries[3 * b + a] = entry
+        return entries
+
+    def _of_gravity(self, scene: Scene) -> list[Any]:
+        """Return one letter along an axis; all three where the base turns, in its axes."""
+        if not (self.plan.model.floating and any(scene.gravity)):
+            return self._vector("g", 0, "g", scene.gravity, "")
+        for axis, value in zip(AXES, scene.gravity, strict=True):
+            self.letters.append(Letter(f"g_{axis}", "g", float(value), MEANINGS["g"]))
+        return [(1.0, len(self.letters) - 3 + k) for k in range(3)]
+
+    def _offset(self, i: int) -> list[Any]:
+        body = self.plan.model.bodies[i]
+        j = body.parent
+        if j < 0:
+            return list(map(float, body.joint.p))
+        siblings = [k for k, other in enumerate(self.plan.model.bodies) if other.parent == j]
+        name = f"l_{j}" if len(siblings) == 1 or i == siblings[0] else f"l_{j}_{i}"
+        return self._vector("l", i, name, body.joint.p, self.plan.model.bodies[j].name)
+
+    def _vector(self, kind: str, i: int, name: str, values: Any, of: str) -> list[Any]:
+        scale = max(abs(float(x)) for x in values)
+        alone = kind in "gl" and sum(abs(float(x)) > ROUNDING * scale for x in values) == 1
+        return [
+            self._entry(kind, i, name + axis * (not alone), float(x), scale, of, axis)
+            for x, axis in zip(values, AXES, strict=True)
+        ]
+
+    def _entry(self, kind: str, i: int, name: str, value: float, scale: float, of: str, axes: str = "") -> Any:
+        """Return a number of body i, or (sign, index of a letter) where it has one: its own, or that of an equal number
+        of equal meaning, of a body that the same body carries."""
+        if abs(value) <= ROUNDING * scale:
+            return 0.0
+        if kind not in self._kinds:
+            return value
+        parent, moment = self.plan.model.bodies[i].parent, kind == "I" and axes[0] == axes[1]
+        alike, signed = (kind, "moment" if moment else axes, parent, i if parent < 0 else -1), not moment
+        for index in self._of.get(alike, ()):
+            other = self.letters[index].value
+            if abs(value - other) <= ROUNDING * scale:
+                return (1.0, index)
+            if signed and abs(value + other) <= ROUNDING * scale:
+                return (-1.0, index)
+        sign = -1.0 if kind in "gl" and value < 0.0 else 1.0
+        self.letters.append(Letter(name, kind, sign * value, MEANINGS[kind].format(of, axes)))
+        self._of.setdefault(alike, []).append(len(self.letters) - 1)
+        return (sign, len(self.letters) - 1)
+
+    def _scalar(self, entry: Any, tape: Tape) -> Scalar:
+        return entry[0] * tape.input(SOURCE, entry[1]) if isinstance(entry, tuple) else entry
+
+    def _array(self, entries: Sequence[Any], tape: Tape) -> Array:
+        out = np.empty(len(entries), dtype=object)
+        out[:] = [self._scalar(entry, tape) for entry in entries]
+        return out
+
+
+def snapped(values: Any) -> Array:
+    """Return entries that rounding alone tells from 0, 1 or -1 as these."""
+    nearest = np.round(np.asarray(values, dtype=float))
+    close = np.abs(values - nearest) <= ROUNDING
+    return np.where(close, nearest + 0.0, values).astype(object)

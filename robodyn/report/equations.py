@@ -66,20 +66,19 @@ def coordinate_lines(closed: Closed) -> Iterator[str]:
     """Yield name, kind and symbols of every coordinate."""
     for i, (name, kind, q, qd) in enumerate(zip(closed.rates, closed.kinds, closed.q, closed.qd, strict=True)):
         if q is None:
-            what = "angular velocity" if i < 3 else "velocity of its origin"
+            what = "angular velocity of the base" if i < 3 else "velocity of the base's origin"
             unit, qdd = "rad/s" if i < 3 else "m/s", closed.qdd[i]
-            yield f"{name}: {what} of the base in its axes, {qd} [{unit}], {qdd} its acceleration"
+            yield f"{name}: {what} in its axes, {qd} [{unit}], {qdd} its acceleration"
         else:
             yield f"{name}: {kind}, {q} [{_UNITS[kind]}], {qd}"
 
 
 def checked(closed: Closed) -> str:
     """Return how far the closed form was found to be from the recursion."""
-    plain = f"; {closed.plain} entries are not simplified" if closed.plain else ""
     values = ", half of them at random values of the symbols" if closed.symbols else ""
     return (
         f"Checked against the recursion in numbers at {STATES} random states{values}: "
-        f"largest difference {relative_text(closed.error)} of the largest entry of its unit{plain}."
+        f"largest difference {relative_text(closed.error)} of the largest entry of its unit."
     )
 
 
@@ -179,6 +178,6 @@ def closed_json(closed: Closed) -> str:
             constants={str(name): str(whole) for name, whole in closed.constants.items()},
             M=[[str(entry) for entry in row] for row in closed.M],
             shares={name: list(map(str, entries)) for name, entries in closed.bias.items()},
-            check={"states": STATES, "largest_difference": closed.error, "not_simplified": closed.plain},
+            check={"states": STATES, "largest_difference": closed.error},
         )
     )

@@ -32,7 +32,7 @@ def closed_latex(closed: Closed) -> str:
     `align*`."""
     joints = [(q, qd) for q, qd in zip(closed.q, closed.qd, strict=True) if q is not None]
     symbol, numbered = module().Symbol, dict[Any, Any]()
-    for k, (q, qd) in enumerate(joints if not re.fullmatch(r"q_\d+", str(joints[0][0])) else (), 1):
+    for k, (q, qd) in enumerate(() if all(re.fullmatch(r"q_\d+", str(q)) for q, _ in joints) else joints, 1):
         numbered |= {q: symbol(f"q_{k}", real=True), qd: symbol(f"qd_{k}", real=True)}
     x, y, z = closed.gravity
     lines = {latex_of(name): whole for name, whole in closed.constants.items()}

@@ -41,7 +41,7 @@ class Text:
         for factor in sorted(_factors(rest), key=_rank):
             divides = factor.is_Pow and factor.exp.is_number and factor.exp < 0
             (below if divides else above).append(self._factor(1 / factor if divides else factor))
-        if number != 1 or not above:
+        if float(number) != 1.0 or not above:
             above.insert(0, self.number(number))
         text = self.times.join(above)
         return self.quotient(text, self.times.join(below), len(below)) if below else text
