@@ -121,7 +121,7 @@ class Lettered:
     def written(self, program: Program, longest: float = math.inf, products: int = PRODUCTS) -> list[Any]:
         """Return the outputs of a program as SymPy expressions, each by itself.
 
-        Raises: TooLargeError where more `products` of terms would be formed, or an output has more terms than `longest`.
+        Raises: TooLargeError where more `products` of terms would be formed, or an output is of more than `longest`.
         """
         forms = Forms(self.symbols, products)
         found = forms.outputs(program)
