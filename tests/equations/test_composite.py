@@ -252,25 +252,25 @@ def test_centre_of_mass_of_links_in_a_frame():
     ],
 )
 def test_calls_that_contradict_are_refused_in_a_line(arguments, said):
-    result = run("inertia", "robots/scara.urdf", *arguments.split())
+    result = run("inertia", str(ROBOTS / "scara.urdf"), *arguments.split())
     assert result.status == 2
     assert said in result.err
     assert result.err.count("\n") == 1
 
 
 def test_a_file_is_no_kind_of_letters():
-    result = run("inertia", "--symbols", "robots/scara.urdf")
+    result = run("inertia", "--symbols", str(ROBOTS / "scara.urdf"))
     assert (result.status, "put it before --symbols" in result.err) == (2, True)
 
 
 def test_what_is_too_long_is_refused_with_a_way_out():
-    result = run("inertia", "robots/puma560.urdf", "--symbols")
+    result = run("inertia", str(ROBOTS / "puma560.urdf"), "--symbols")
     assert result.status == 2
     assert "too long (fewer --links, --about origin, fewer letters as --symbols m, or --at for numbers)" in result.err
 
 
 def test_rounding_of_zeros_is_not_printed():
-    said = run("inertia", "robots/two_link_planar.urdf", "--at", "0.5,0.5").out
+    said = run("inertia", str(ROBOTS / "two_link_planar.urdf"), "--at", "0.5,0.5").out
     assert "1           0        0.540302  0.000000  0.841471" in said
     assert "-0.0" not in said.replace("-0.0000 of", "-0.00")
     assert not any(f"e-{digit}" in said for digit in "123")
@@ -282,9 +282,9 @@ def test_links_fixed_to_each_other_are_one_body_in_letters():
 
 
 def test_what_symmetry_makes_vanish_is_said_with_its_plane():
-    said = run("inertia", "robots/composite.urdf").out
+    said = run("inertia", str(ROBOTS / "composite.urdf")).out
     assert "I_xy = I_yz = 0: y is a principal axis, as a plane of symmetry y = 0 would make it" in said
-    off = run("inertia", "robots/composite.urdf", "--about", "0.2,0.1,0.09", "--links", "ball").out
+    off = run("inertia", str(ROBOTS / "composite.urdf"), "--about", "0.2,0.1,0.09", "--links", "ball").out
     assert "y is a principal axis, but by no plane of symmetry: the mass centre is not at y = 0.1" in off
-    letters = json.loads(run("inertia", "robots/composite.urdf", "--symbols", "--format", "json").out)
+    letters = json.loads(run("inertia", str(ROBOTS / "composite.urdf"), "--symbols", "--format", "json").out)
     assert letters["inertia_about"]["matrix"][0][1] == "0"
