@@ -123,9 +123,11 @@ def general_eigen(A: Floats) -> Eigen:
     if not np.isfinite(A).all():
         raise np.linalg.LinAlgError("the matrix is not finite")
     B, (scale, _) = matrix_balance(A, permute=False, separate=True)
-    values, left, right = (np.asarray(each, complex) for each in eig(B, left=True))
+    unit = float(np.exp2(np.frexp(np.abs(B).max(initial=0.0))[1] - 1))  # LAPACK loses its own scale of large matrices
+    values, left, right = (np.asarray(each, complex) for each in eig(B / unit, left=True))
     with np.errstate(divide="ignore"):
         conditions = 1.0 / np.abs((left.conj() * right).sum(axis=0))
     right, left = right * scale[:, None], left / scale[:, None]
     lengths = [np.linalg.norm(each, axis=0) for each in (right, left)]
-    return Eigen(values, right / lengths[0], left / lengths[1], conditions, float(np.linalg.norm(B)))
+    size = float(np.linalg.norm(B / unit)) * unit
+    return Eigen(values * unit, right / lengths[0], left / lengths[1], conditions, size)

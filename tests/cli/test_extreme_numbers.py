@@ -55,7 +55,7 @@ NUMBER = re.compile(r"(?<=[ \"\[>])-?\d+(?:\.\d+)?(?=[ \"\],<\n])")
 STL = ascii_stl(tetrahedron(((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1))), number="%g").decode()
 FILES = {"robot.urdf": URDF, "scene.toml": SCENE, "part.stl": STL}
 PLACES = [(name, *found.span()) for name, text in FILES.items() for found in NUMBER.finditer(text)]
-VISCOUS, COULOMB = [place for place in PLACES if place[0] == "scene.toml"][3:5]
+GRAVITY, VISCOUS, COULOMB = [place for place in PLACES if place[0] == "scene.toml"][2:5]
 EXTREMES = st.sampled_from(
     [
         *("1e300", "-1e300", "1e155", "1e-155", "1e-300", "5e-324", "-0.0", "1.7976931348623157e308", "nan", "inf"),
@@ -84,6 +84,7 @@ def answered(arguments: tuple[str, ...], quoted: bool) -> None:
 
 @given(st.lists(st.tuples(st.sampled_from(PLACES), EXTREMES), min_size=1, max_size=3), st.sampled_from(COMMANDS))
 @example([(VISCOUS, "1e300")], (*SIMULATE, "--rtol", "1e-4"))
+@example([(GRAVITY, "1e300")], ("linearize", "robot.urdf", "--scene", "scene.toml"))
 @example([(COULOMB, "1.7976931348623157e308")], (*SIMULATE, "--rtol", "1e-4"))
 def test_extreme_numbers_are_answered(
     changes: list[tuple[tuple[str, int, int], str]], command: tuple[str, ...]

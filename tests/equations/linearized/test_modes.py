@@ -14,6 +14,7 @@ from mpmath import mp
 
 import robodyn
 from robodyn.equations.linearized.linearize import linearize
+from robodyn.programs.linear import general_eigen
 from robodyn.robot.load import load
 from robodyn.scene.scene import Drive, Friction, Scene, Spring
 
@@ -308,3 +309,10 @@ def test_two_carts_on_a_spring_swing_against_each_other():
     assert [mode.free for mode in found] == [True, False]
     assert found[1].frequency == pytest.approx(np.sqrt(12.0 * 4 / 3) / (2 * np.pi), rel=1e-14)
     assert np.abs(np.array(found[1].shape) / found[1].shape[1] - [-0.25, 1]).max() <= 4 * EPS
+
+
+@pytest.mark.parametrize("unit", [1e-310, 1e-200, 1.0, 1e139, 1e300])
+def test_eigenvalues_of_any_size(unit):
+    """LAPACK's own scale of a matrix above 7e137, or below its inverse, is lost on the way to the eigenvalues."""
+    found = general_eigen(np.array([[0.0, 1.0], [2.0, 0.0]]) * unit)
+    assert np.abs(np.sort(found.values.real) / unit - [-np.sqrt(2), np.sqrt(2)]).max() <= 1e-12
