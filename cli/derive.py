@@ -11,7 +11,7 @@ from robodyn.cli.files import check_names, robot_in_scene
 from robodyn.cli.options import AT, PATH, QD, SCENE, VALUES, Call, option, takes
 from robodyn.cli.screen import answer, show_file
 from robodyn.equations.derive import derive
-from robodyn.report.derive import derive_latex, derive_page, derive_sections
+from robodyn.report.equations.derive import derive_latex, derive_page, derive_sections
 
 
 @click.command("derive", short_help="Work out the equations of motion step by step.")

@@ -15,10 +15,10 @@ from robodyn.equations.closed import closed
 from robodyn.equations.dae.dae import dae
 from robodyn.equations.ode import ode
 from robodyn.errors import InputError
-from robodyn.report.dae import dae_json, dae_sections
-from robodyn.report.equations import closed_json, closed_sections, ode_json, ode_sections
-from robodyn.report.renderers.latex import closed_latex, dae_latex
-from robodyn.report.renderers.python import closed_python
+from robodyn.report.equations.dae import dae_json, dae_sections
+from robodyn.report.equations.equations import closed_json, closed_sections, ode_json, ode_sections
+from robodyn.report.equations.latex import closed_latex, dae_latex
+from robodyn.report.equations.python import closed_python
 from robodyn.support.wording import shown
 
 _WRITERS: dict[str, Any] = {

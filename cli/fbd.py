@@ -15,7 +15,7 @@ from robodyn.dynamics.plan import plan
 from robodyn.equations.free_body.bodies import free_bodies
 from robodyn.errors import InputError
 from robodyn.loads.constraints import Follower
-from robodyn.report.equations import free_bodies_json, free_body_sections
+from robodyn.report.equations.equations import free_bodies_json, free_body_sections
 from robodyn.robot.kinematics import configuration, rates
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
@@ -83,7 +83,7 @@ def command(call: Call, urdf: str, qdd: Any, traj: str | None, time: float | Non
     found = replace(found, warnings=(*warnings, *found.warnings))
     written = ""
     if svg is not None:
-        from robodyn.report.free_body import drawings
+        from robodyn.report.equations.free_body import drawings
 
         files, remedy = list(drawings(found, words)), "name another folder"
         try:

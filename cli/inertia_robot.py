@@ -13,6 +13,7 @@ from robodyn.cli.screen import answer, complain
 from robodyn.equations.composite import in_letters, in_numbers
 from robodyn.errors import InputError
 from robodyn.report import inertia_pages as pages
+from robodyn.report.equations.latex import composite_latex
 from robodyn.report.inertia import (
     comparison_sections,
     letters_sections,
@@ -20,7 +21,6 @@ from robodyn.report.inertia import (
     link_shapes_sections,
     robot_sections,
 )
-from robodyn.report.renderers.latex import composite_latex
 from robodyn.robot.load import load_description
 from robodyn.robot.masses.declared import LinkInertia, link_inertia, robot_inertia
 from robodyn.robot.masses.shapes import How, LinkShapes, Reading, compare, link_from_shapes

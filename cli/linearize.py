@@ -14,7 +14,7 @@ from robodyn.cli.options import AT, FORMAT, PATH, POSITIVE, QD, REPORT, SCENE, C
 from robodyn.cli.screen import answer
 from robodyn.equations.linearized.linearize import linearize
 from robodyn.errors import InputError
-from robodyn.report.linearized import linearized_json, linearized_page, linearized_sections
+from robodyn.report.equations.linearized import linearized_json, linearized_page, linearized_sections
 from robodyn.support.files import write_whole
 
 

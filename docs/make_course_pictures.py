@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 import robodyn
-from robodyn.report.free_body import STYLE, drawings
+from robodyn.report.equations.free_body import STYLE, drawings
 
 ROOT = Path(__file__).resolve().parent.parent
 FOLDER = ROOT / "docs" / "course" / "pictures"

@@ -130,4 +130,5 @@ def general_eigen(A: Floats) -> Eigen:
     right, left = right * scale[:, None], left / scale[:, None]
     lengths = [np.linalg.norm(each, axis=0) for each in (right, left)]
     size = float(np.linalg.norm(B / unit)) * unit
-    return Eigen(values * unit, right / lengths[0], left / lengths[1], conditions, size)
+    values *= unit
+    return Eigen(values, right / lengths[0], left / lengths[1], conditions, size)

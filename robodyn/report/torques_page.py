@@ -22,7 +22,7 @@ from robodyn.loads.statistics import joint_of_rates
 from robodyn.report import document as doc
 from robodyn.report import stage
 from robodyn.report.charts import Course, plane_chart, time_chart
-from robodyn.report.equations import action_table
+from robodyn.report.equations.equations import action_table
 from robodyn.report.limits import effort_use, limits_verdict, offenders, use_bars, worst_joint
 from robodyn.report.sizes import Sizes, free_body_sizes, result_sizes, speed_unit
 from robodyn.report.table import first_names, gravity_text, is_noise, moment, number, printable

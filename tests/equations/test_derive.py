@@ -16,8 +16,8 @@ from robodyn.dynamics.recursions.newton_euler import along_joint, euler, newton_
 from robodyn.equations.derive import derive
 from robodyn.equations.letters import KINDS
 from robodyn.errors import InputError, SceneError
-from robodyn.report.derive import derive_latex, derive_page, derive_sections
 from robodyn.report.document import Formula, text
+from robodyn.report.equations.derive import derive_latex, derive_page, derive_sections
 from robodyn.report.renderers.pages import html
 from robodyn.robot.kinematics import acceleration_of_point, accelerations, motions, poses, velocities
 

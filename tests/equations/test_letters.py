@@ -20,9 +20,9 @@ import robodyn
 from robodyn.equations.closed import closed
 from robodyn.equations.letters import KINDS, Lettered
 from robodyn.errors import InputError
-from robodyn.report.renderers.latex import closed_latex
+from robodyn.report.equations.latex import closed_latex
+from robodyn.report.equations.python import closed_python
 from robodyn.report.renderers.letters import latex_of, text_of
-from robodyn.report.renderers.python import closed_python
 from robodyn.scene.scene import Scene
 
 TWINS = {"m_2": "m_1", "c_2y": "-c_1y", "I_2xx": "I_1xx", "I_2yy": "I_1yy", "I_2zz": "I_1zz"}

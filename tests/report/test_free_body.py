@@ -14,7 +14,7 @@ from helpers.oracles import random_state, robot
 
 import robodyn
 from robodyn.dynamics.plan import EFFECTS
-from robodyn.report.free_body import BOTTOM, COLOURS, OTHER, STYLE, TOP, WIDTH, arrows, drawing, drawings
+from robodyn.report.equations.free_body import BOTTOM, COLOURS, OTHER, STYLE, TOP, WIDTH, arrows, drawing, drawings
 from robodyn.report.sizes import free_body_sizes
 
 NAMES = ("puma560", "scara", "satellite")

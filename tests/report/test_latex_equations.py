@@ -14,7 +14,7 @@ from helpers.small_robots import built, joint, link
 
 import robodyn
 from robodyn.equations.closed import closed
-from robodyn.report.renderers.latex import closed_latex
+from robodyn.report.equations.latex import closed_latex
 from robodyn.scene.scene import DEFAULT
 
 TOKEN = re.compile(

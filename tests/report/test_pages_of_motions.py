@@ -13,7 +13,7 @@ import robodyn
 from robodyn.measure.accuracy.ladder import Accuracy, Ladder, Rung, Spread
 from robodyn.report import document as doc
 from robodyn.report.accuracy import accuracy_page
-from robodyn.report.linearized import linearized_page
+from robodyn.report.equations.linearized import linearized_page
 from robodyn.report.renderers.pages import html
 from robodyn.report.simulation import simulation_page
 

@@ -17,8 +17,8 @@ from helpers.report_text import simulation_text, torques_text
 import robodyn
 from robodyn.loads.result import Result
 from robodyn.report.document import text
-from robodyn.report.equations import free_body_sections
-from robodyn.report.free_body import drawings
+from robodyn.report.equations.equations import free_body_sections
+from robodyn.report.equations.free_body import drawings
 from robodyn.report.limits import LINES
 from robodyn.report.renderers.pages import html, markdown
 from robodyn.report.table import Page

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from robodyn.equations.linearized.modes import Mode
 from robodyn.report.document import Facts, Paragraph, Table, finite, paragraphs, remarks, text, written
-from robodyn.report.linearized import moves
+from robodyn.report.equations.linearized import moves
 from robodyn.report.measured import bar
 from robodyn.report.motor_loads import probability
 from robodyn.report.table import NEGLIGIBLE, Page, number, printable

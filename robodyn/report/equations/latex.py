@@ -10,8 +10,8 @@ from robodyn.equations.closed import Closed
 from robodyn.equations.composite import Composite
 from robodyn.equations.dae.dae import Dae
 from robodyn.equations.forms import module
-from robodyn.report.dae import laws
-from robodyn.report.equations import checked
+from robodyn.report.equations.dae import laws
+from robodyn.report.equations.equations import checked
 from robodyn.report.inertia import ORDER
 from robodyn.report.renderers.letters import Latex, latex_of
 from robodyn.report.table import printable

@@ -11,7 +11,7 @@ import numpy as np
 
 from robodyn.equations.derive import Derivation, Equation, Step, joined
 from robodyn.report.document import Block, Document, Formula, Heading, Paragraph, Section, Table
-from robodyn.report.renderers.latex import escaped
+from robodyn.report.equations.latex import escaped
 from robodyn.report.renderers.letters import Latex, Text
 from robodyn.report.table import gravity_text
 

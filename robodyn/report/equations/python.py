@@ -6,7 +6,7 @@ import re
 
 from robodyn.equations.closed import Closed
 from robodyn.programs.export import docstring
-from robodyn.report.equations import checked, coordinate_lines
+from robodyn.report.equations.equations import checked, coordinate_lines
 from robodyn.report.renderers.letters import Python
 
 FUNCTIONS = ("abs", "cos", "exp", "sign", "sin", "sqrt")

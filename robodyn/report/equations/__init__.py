@@ -1,0 +1,1 @@
+"""Equations of motion, worked solutions, free bodies and small motions as documents."""
