@@ -18,8 +18,9 @@ from numpy.typing import NDArray
 from robodyn.programs.program import Program
 from robodyn.programs.run.llvm.build import built
 from robodyn.programs.run.llvm.driver import driver
+from robodyn.programs.run.llvm.functions import BYTES
 from robodyn.programs.run.llvm.kernel import kernel
-from robodyn.programs.run.llvm.machine import Function
+from robodyn.programs.run.llvm.machine import Function, host
 from robodyn.programs.run.numpy_blocks import Numbers, NumpyBlocks
 from robodyn.support.threads import cores
 
@@ -27,10 +28,8 @@ if TYPE_CHECKING:
     from concurrent.futures import ThreadPoolExecutor
 
 SCALARS = {"float64": "double", "float32": "float"}
-LANES = {"double": 8, "float": 16}
-"""Samples worked on at a time: one register of AVX-512. Half or twice as many were slower or equal, on AVX2 too."""
 FEW = 16
-"""Samples that small batches have room for: one or two groups of a kernel."""
+"""Samples that small batches have room for: some groups of a kernel."""
 BLOCK = 128
 """Samples gathered at a time where an array's columns are not contiguous: their rows stay in the first cache."""
 LONG_BLOCK = 512
@@ -68,7 +67,8 @@ class CompiledBlocks:
         self._in_order = np.arange(max(self.widths.values(), default=0), dtype=np.int64)
         self.kernel = built("kernel", content_of(program, widths, dtype), lambda: kernel_of(program, widths, dtype))
         scalar = SCALARS[self.dtype.name]
-        self.share, self._lanes = _driver(scalar), LANES[scalar]
+        self._lanes = lanes_of(scalar)
+        self.share = _driver(scalar, self._lanes)
         self._few_kernel = _KERNEL(self.kernel.address)
         self._rooms: defaultdict[int, list[Any]] = defaultdict(list)  # by the number of samples
 
@@ -133,7 +133,7 @@ class CompiledBlocks:
 
     def _room(self, samples: int) -> tuple[Any, ...]:
         """Return views of rows for all inputs and outputs of few samples, and what the kernel is told of these."""
-        memory, flags = np.zeros((self.rows, FEW), self.dtype), np.zeros(FEW // 8, np.uint8)
+        memory, flags = np.zeros((self.rows, FEW), self.dtype), np.zeros(FEW, np.uint8)
         table = memory.ctypes.data + memory.strides[0] * np.repeat(np.arange(self.rows), 2)  # no memory ahead
         places = c_void_p(table.ctypes.data), c_void_p(flags.ctypes.data), -(-samples // self._lanes)
         first_row = self.program.rows(self.widths)
@@ -155,7 +155,10 @@ class CompiledBlocks:
         room = table + self.rows * pitch
         rooms = np.empty(threads * room + 8 * LINE, np.uint8)
         aligned = _address(rooms) + -_address(rooms) % (8 * LINE)
-        flags, told = array("B", bytes(-(-samples // block) * block // 8)), array("q", chain.from_iterable(fields))
+        flags, told = (
+            array("B", bytes(-(-samples // block) * block // min(8, self._lanes))),
+            array("q", chain.from_iterable(fields)),
+        )
         places = self.kernel.address, _place(told), aligned, _place(flags)
         job = array("q", (*places, len(fields), room, table, pitch, block))
         flagged, waiting = [], iter(range(0, samples, each))
@@ -169,8 +172,8 @@ class CompiledBlocks:
         in_pool(work, threads)
         if not flagged:
             return np.empty(0, np.int64)
-        bits = np.unpackbits(np.frombuffer(flags, np.uint8), bitorder="little")
-        return np.asarray(np.flatnonzero(bits[:samples]))
+        bits = np.unpackbits(np.frombuffer(flags, np.uint8), bitorder="little").reshape(-1, max(8, self._lanes))
+        return np.asarray(np.flatnonzero(bits[:, : self._lanes].ravel()[:samples]))
 
     @cached_property
     def _fallback(self) -> NumpyBlocks:
@@ -184,7 +187,12 @@ def content_of(program: Program, widths: Mapping[str, int], dtype: Any) -> objec
 
 def kernel_of(program: Program, widths: Mapping[str, int], dtype: Any = np.float64) -> str:
     scalar = SCALARS[np.dtype(dtype).name]
-    return kernel(program.distinct, program.rows(widths), scalar, LANES[scalar])
+    return kernel(program.distinct, program.rows(widths), scalar, lanes_of(scalar), pooled=host().pooled)
+
+
+def lanes_of(scalar: str) -> int:
+    """Return how many samples are worked on at a time."""
+    return host().vector // BYTES[scalar]
 
 
 def _fields(given: Numbers, homes: NDArray[np.int64], few: bool = True) -> tuple[int, ...]:
@@ -204,8 +212,7 @@ def _place(numbers: array[int]) -> int:
 
 
 @cache
-def _driver(scalar: str) -> Function:
-    lanes = LANES[scalar]
+def _driver(scalar: str, lanes: int) -> Function:
     return built("share", ("driver", scalar, lanes), lambda: driver(scalar, lanes), c_void_p, *[c_int64] * 3)
 
 

@@ -16,9 +16,13 @@ from helpers.compiled_programs import bits, compiled, needs_compiler, program_of
 from helpers.oracles import EPS, worst
 from helpers.processes import python
 
+import robodyn
+from robodyn.dynamics.plan import torque_runner
 from robodyn.programs.run import compiled_blocks
 from robodyn.programs.run.compiled_blocks import BLOCK, CompiledBlocks
+from robodyn.programs.run.llvm import kernel, machine
 from robodyn.programs.run.numpy_blocks import NumpyBlocks
+from robodyn.scene.scene import Scene
 
 pytestmark = needs_compiler
 
@@ -269,6 +273,8 @@ def test_no_inputs_no_outputs_no_samples():
 GUARDED = """
 import ctypes, mmap
 import numpy as np
+import robodyn
+from robodyn.dynamics.plan import torque_runner
 from robodyn.programs.run import compiled_blocks
 from robodyn.programs.run.compiled_blocks import CompiledBlocks
 from robodyn.programs.vectors import sin
@@ -306,3 +312,27 @@ print("unharmed")
 @pytest.mark.parametrize("limits", ["64, 1 << 22", "0, -1"])
 def test_nothing_beside_the_arrays_is_touched(limits):
     assert python(GUARDED.replace("WAY", limits)).stdout == "unharmed\n"
+
+
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+@pytest.mark.parametrize("vector", [32, 64])
+def test_parts_of_a_program_leave_every_bit(dtype, vector, monkeypatch, tmp_path):
+    """Torques of a robot in many parts, of 4 groups at a time and of more than there are; some samples with an angle
+    that is too large; and in a single part, as what parts keep would be too much."""
+    runner = torque_runner(robodyn.load(ROBOT), Scene())
+    program, widths = runner.program, runner.widths
+    monkeypatch.setattr(machine.Host, "vector", vector)
+    rng = np.random.default_rng(8)
+    sources = {name: rng.uniform(-3, 3, (403, width)).astype(dtype) for name, width in widths.items()}
+    sources["q"][5::97, 1] *= 1e7
+    found, sizes = [], []
+    for part, groups, kept in ((10**9, 32, 10**9), (60, 4, 10**9), (60, 32, 10**9), (60, 32, 100)):
+        for name, value in {"PART": part, "GROUPS": groups, "KEPT": kept}.items():
+            monkeypatch.setattr(kernel, name, value)
+        monkeypatch.setenv("ROBODYN_CACHE", str(tmp_path / f"{part}-{groups}-{kept}"))
+        found.append(bits(CompiledBlocks(program, widths, dtype)(sources, 403)))
+        sizes.append(compiled_blocks.kernel_of(program, widths, dtype).count("\nloop"))
+    assert sizes[0] == sizes[3] == 2
+    assert sizes[1] == sizes[2] > 8
+    for each in found[1:]:
+        np.testing.assert_array_equal(each, found[0])

@@ -72,7 +72,7 @@ loop:
   %past_caches = and i1 %whole, %streaming
   br i1 %past_caches, label %stream_out, label %partly
 stream_out:
-  store {vector} %results, ptr %to, align 64, !nontemporal !0
+  store {vector} %results, ptr %to, align {vector_bytes}, !nontemporal !0
   br label %more
 partly:
 {valid}
@@ -203,7 +203,7 @@ array:
 ready:
   %up = add i64 %filled, {lanes_less_one}
   %groups = udiv i64 %up, {lanes}
-  %byte = udiv i64 %start, 8
+  %byte = udiv i64 %start, {samples_per_byte}
   %marks = getelementptr i8, ptr %flags, i64 %byte
   %some = call i64 %kernel(ptr %table, ptr %marks, i64 %groups)
   %total = or i64 %any, %some
@@ -263,8 +263,10 @@ def driver(scalar: str, lanes: int) -> str:
         "suffix": SUFFIXES[scalar],
         "bytes": BYTES[scalar],
         "ahead": AHEAD,
+        "vector_bytes": lanes * BYTES[scalar],
         "lanes": lanes,
         "lanes_less_one": lanes - 1,
+        "samples_per_byte": min(8, lanes),
         "array_bytes": 8 * len(FIELDS),
         "vector": f"<{lanes} x {scalar}>",
         "integers": f"<{lanes} x i64>",

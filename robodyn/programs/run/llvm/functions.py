@@ -20,10 +20,11 @@ LARGEST_QUARTER = 2.0**20
 @dataclass
 class Code:
     """The body of a function that works on `lanes` samples at a time, a power of two, in "double" or "float". Operands
-    are the text that names them in IR: a register or a constant."""
+    are the text that names them in IR: a register or a constant. `pooled`: constants are vectors in memory."""
 
     scalar: str
     lanes: int
+    pooled: bool = False
     lines: list[str] = field(default_factory=list)
     declared: set[str] = field(default_factory=set)
 
@@ -51,7 +52,12 @@ class Code:
         """Return the same number in every lane, rounded to the scalar type."""
         if self.scalar == "float":
             value = ctypes.c_float(value).value
-        return f"splat ({self.scalar} 0x{struct.unpack('<Q', struct.pack('<d', value))[0]:016X})"
+        digits = f"{struct.unpack('<Q', struct.pack('<d', value))[0]:016X}"
+        if not self.pooled:
+            return f"splat ({self.scalar} 0x{digits})"
+        name = f"@{self.scalar}{digits}"
+        self.declared.add(f"{name} = private constant {self.vector} splat ({self.scalar} 0x{digits})")
+        return self.new(f"load {self.vector}, ptr {name}, align {self.lanes * BYTES[self.scalar]}, !invariant.load !0")
 
     def integer(self, value: int) -> str:
         return f"splat (i{8 * BYTES[self.scalar]} {value})"
@@ -104,7 +110,7 @@ class Code:
         return self.new(f"{instruction} {self.vector} {a} to {to.vector}")
 
     def doubles(self) -> Code:
-        return Code("double", self.lanes, self.lines, self.declared)
+        return Code("double", self.lanes, self.pooled, self.lines, self.declared)
 
 
 def _hex(*texts: str) -> tuple[float, ...]:

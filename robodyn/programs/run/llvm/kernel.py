@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from bisect import bisect
 from collections import defaultdict
 from collections.abc import Callable, Mapping
-from typing import Any
+from itertools import count
+
+import numpy as np
 
 from robodyn.programs.program import Program
 from robodyn.programs.run.llvm.functions import (
@@ -51,80 +54,129 @@ ONE: dict[str, Callable[[Code, str], str]] = {
     SIGN: sign,
 }
 
-PART = 500
+BLOCK = 500
 """Instructions in a basic block: LLVM's time grows faster than a block's length, and the code is no better for it."""
+PART = 2400
+"""Operations in a part of a program at most: a processor keeps so many decoded, and others it decodes ever anew."""
+GROUPS = 32
+"""Groups that a part works on before the next part begins, if what they keep for later parts is not too much."""
+KEPT = 1 << 17
+"""Bytes that they may keep, which stay in a core's own caches."""
 LEVEL = 2
 """How near memory is brought, from 3 for the first cache down: what comes ahead would displace what is in use."""
+ANGLE = 20
+"""Operations that a sine or a cosine stands for."""
+FEWEST = 4
+"""Groups that are worth parts."""
+TOTAL = -1
+"""Stands for the sum of squares of all quarter turns among the positions of values."""
 FRAME = """\
 declare void @llvm.prefetch.p0(ptr, i32, i32, i32)
+declare i64 @llvm.umin.i64(i64, i64)
 {declared}
 define i64 @kernel(ptr noalias readonly %rows, ptr noalias writeonly %flags, i64 %groups) #0 {{
 entry:
+  %kept = alloca [{kept} x i8], align 64
+  %some = alloca i64
+  store i64 0, ptr %some
   br label %loop
 loop:
-  %i = phi i64 [ 0, %entry ], [ %next, %end ]
-  %any = phi i64 [ 0, %entry ], [ %some, %end ]
-  %o = mul i64 %i, {lanes}
+  %first = phi i64 [ 0, %entry ], [ %next, %end ]
+  %left = sub i64 %groups, %first
+  %count = call i64 @llvm.umin.i64(i64 %left, i64 {count})
+  br label %loop0
 {body}
-  br label %end
 end:
-  %next = add i64 %i, 1
+  %next = add i64 %first, {count}
   %more = icmp ult i64 %next, %groups
   br i1 %more, label %loop, label %done
 done:
-  ret i64 %some
+  %flagged = load i64, ptr %some
+  ret i64 %flagged
 }}
 attributes #0 = {{ nounwind "stackrealign" "prefer-vector-width"="512" "min-legal-vector-width"="512" }}
 !0 = !{{}}
 """
+LOOP = """\
+loop{p}:
+  %g{p} = phi i64 [ 0, %{before} ], [ %next{p}, %end{p} ]
+  %base{p} = phi ptr [ %kept, %{before} ], [ %further{p}, %end{p} ]
+  %i{p} = add i64 %first, %g{p}
+  %offset{p} = mul i64 %i{p}, {lanes}"""
+END = """\
+  br label %end{p}
+end{p}:
+  %next{p} = add i64 %g{p}, 1
+  %further{p} = getelementptr i8, ptr %base{p}, i64 {bytes}
+  %more{p} = icmp ult i64 %next{p}, %count
+  br i1 %more{p}, label %loop{p}, label %{then}"""
 
 
-def kernel(program: Program, first_row: Mapping[str, int], scalar: str, lanes: int, calls: bool = True) -> str:
+def kernel(
+    program: Program, first_row: Mapping[str, int], scalar: str, lanes: int, calls: bool = True, pooled: bool = False
+) -> str:
     """Return the LLVM IR of `i64 kernel(rows, flags, groups)`.
 
     `rows` points to an array of pointers: to the columns of the inputs, then to those of the outputs, each a column of
     `groups * lanes` numbers. No output may overlap an input. If the kernel calls for memory, every pointer is followed
     by another, to a column of as many numbers that will be wanted next; it need not exist. Bit k of the flags of group
-    i is set where an angle of its sample k is too large to be reduced accurately, or is not finite; the function
-    returns 0 where no flag is set.
+    i, of 8 bits or as many as there are lanes, is set where an angle of its sample k is too large to be reduced
+    accurately, or is not finite; the function returns 0 where no flag is set.
+
+    A long program is cut into parts where few values are alive. Each works on some groups before the next begins, so
+    that its instructions stay decoded; what later parts read of a group is kept in memory.
 
     Args:
         first_row: where in `rows` the columns of each source begin, and under "" those of the outputs.
-        lanes: samples in a group: 8 or 16.
+        lanes: samples in a group, a power of two up to 16.
         calls: for the memory that will be wanted next, a line of the cache for every vector that is moved.
+        pooled: constants are whole vectors in memory, which instructions take as operands.
     """
-    writer = Writer(program, first_row, Code(scalar, lanes), fused_products(program), calls)
+    writer = _Parts(program, first_row, Code(scalar, lanes, pooled), fused_products(program), calls)
     writer.write()
-    writer.flag()
-    return FRAME.format(
-        declared="\n".join(sorted(writer.code.declared)), lanes=lanes, body="\n".join(writer.code.lines)
-    )
+    names = {"kept": writer.count * writer.group, "count": writer.count, "body": "\n".join(writer.code.lines)}
+    return FRAME.format(declared="\n".join(sorted(writer.code.declared)), **names)
 
 
 class Writer:
-    """Writes the body of the loop; an operand is the register that holds it, or a constant."""
+    """Writes operations one after another; an operand is the register that holds it, or a constant."""
 
     def __init__(
         self, program: Program, first_row: Mapping[str, int], code: Code, fused: Mapping[int, int], calls: bool
     ) -> None:
         self.program, self.first_row, self.code, self.fused, self.calls = program, first_row, code, fused, calls
-        self.values: list[str] = []
-        self.angles: dict[int, tuple[str, str]] = {}
-        self.quarters: list[str] = []
-        self.parts = 0
-
-    def write(self) -> None:
-        program = self.program
-        homes: dict[int, list[int]] = defaultdict(list)
+        self.products, self.formed = set(fused.values()), set[int]()
+        self.values: dict[int, str] = {}
+        self.angles = self.blocks = 0
+        self.offset = ""
+        self.homes: dict[int, list[int]] = defaultdict(list)
         for place, position in enumerate(program.outputs):
-            homes[position].append(self.first_row[""] + place)
-        products = set(self.fused.values())
-        for k, (op, a, b) in enumerate(program.operations):
-            self.values.append("" if k in products else self._value(k, op, a, b))
-            for row in homes[k]:
-                self._store(self.values[k], row)
+            self.homes[position].append(first_row[""] + place)
+        self.turns: dict[int, list[int]] = defaultdict(list)  # of each angle, its sine and its cosine
+        for k, (op, a, _) in enumerate(program.operations):
+            if op is SIN or op is COS:
+                self.turns[a].append(k)
+
+    def write(self, first: int = 0, until: int | None = None) -> None:
+        """Write the operations at these positions; sine and cosine of an angle together, where the first stands."""
+        for k, (op, a, _) in enumerate(self.program.operations[first:until], first):
+            if op is INPUT or op is CONSTANT:
+                if k in self.homes:
+                    self._form(k, self._operand(k))
+            elif k not in self.formed and k not in self.products:
+                if op is SIN or op is COS:
+                    both = self._angle(a)
+                    for each in self.turns[a]:
+                        self._form(each, both[self.program.operations[each][0] is COS])
+                else:
+                    self._form(k, self._value(k))
                 self._divide()
-            self._divide()
+
+    def _form(self, k: int, value: str) -> None:
+        self.values[k] = value
+        self.formed.add(k)
+        for row in self.homes.get(k, ()):
+            self._store(value, row)
 
     def _store(self, value: str, row: int) -> None:
         address = self._address(row, 1)
@@ -133,9 +185,9 @@ class Writer:
     def _divide(self) -> None:
         """Begins a basic block where the last one is long enough."""
         lines = self.code.lines
-        if len(lines) > PART * (self.parts + 1):
-            self.parts += 1
-            lines.append(f"  br label %part{self.parts}\npart{self.parts}:")
+        if len(lines) > BLOCK * (self.blocks + 1):
+            self.blocks += 1
+            lines.append(f"  br label %block{self.blocks}\nblock{self.blocks}:")
 
     def _address(self, row: int, writes: int) -> str:
         """Return where a column's numbers of this group lie; those that will be wanted are called for."""
@@ -147,59 +199,150 @@ class Writer:
 
     def _place(self, entry: int) -> str:
         """Return where this group's numbers lie in the column of an entry of `rows`."""
-        place = self.code.new(f"getelementptr ptr, ptr %rows, i64 {entry}")
+        place = self._further("%rows", 8 * entry)
         column = self.code.new(f"load ptr, ptr {place}, align 8, !invariant.load !0")
-        return self.code.new(f"getelementptr {self.code.scalar}, ptr {column}, i64 %o")
+        return self.code.new(f"getelementptr {self.code.scalar}, ptr {column}, i64 {self.offset}")
+
+    def _further(self, base: str, distance: int) -> str:
+        """Return an address some bytes further. LLVM, where it simplifies a single one, merges all basic blocks."""
+        return self.code.new(f"getelementptr i8, ptr {base}, i64 {distance}") if distance else base
 
     def _input(self, source: str, column: int) -> str:
         address, align = self._address(self.first_row[source] + column, 0), BYTES[self.code.scalar]
         return self.code.new(f"load {self.code.vector}, ptr {address}, align {align}, !invariant.load !0")
 
-    def _value(self, k: int, op: str, a: Any, b: Any) -> str:
-        code = self.code
-        if op is INPUT:
-            return self._input(a, b)
+    def _operand(self, k: int) -> str:
+        op, a, b = self.program.operations[k]
         if op is CONSTANT:
-            return code.constant(a)
+            return self.code.constant(a)
+        if k not in self.values:
+            self.values[k] = self._input(a, b) if op is INPUT else self._kept(k)
+        return self.values[k]
+
+    def _kept(self, k: int) -> str:
+        raise AssertionError("all is written in one part")
+
+    def _value(self, k: int) -> str:
+        code = self.code
+        op, a, b = self.program.operations[k]
         if k in self.fused:
             return self._sum(op, a, b, self.fused[k])
-        if op is SIN or op is COS:
-            return self._angle(a)[op is COS]
         if op in TWO:
-            return code.two(TWO[op], self.values[a], self.values[b])
-        return ONE[op](code, self.values[a])
+            return code.two(TWO[op], self._operand(a), self._operand(b))
+        return ONE[op](code, self._operand(a))
 
     def _sum(self, op: str, a: int, b: int, product: int) -> str:
         """x y + z, x y - z or z - x y."""
         code = self.code
         _, i, j = self.program.operations[product]
-        x, y = self.values[i], self.values[j]
+        x, y = self._operand(i), self._operand(j)
         if a == product:
-            z = self.values[b]
+            z = self._operand(b)
             return code.fma(x, y, z if op is ADD else code.neg(z))
-        return code.fma(x if op is ADD else code.neg(x), y, self.values[a])
+        return code.fma(x if op is ADD else code.neg(x), y, self._operand(a))
 
     def _angle(self, argument: int) -> tuple[str, str]:
-        if argument not in self.angles:
-            angle = reduced(self.code, self.values[argument])
-            self.quarters.append(angle.quarters)
-            self.angles[argument] = sine_and_cosine(self.code, angle)
-        return self.angles[argument]
+        angle, wide = reduced(self.code, self._operand(argument)), self.code.doubles()
+        square = angle.quarters, angle.quarters
+        self.values[TOTAL] = wide.fma(*square, self._operand(TOTAL)) if self.angles else wide.two("fmul", *square)
+        self.angles += 1
+        return sine_and_cosine(self.code, angle)
 
     def too_large(self) -> str:
         """A bit per sample: the sum of the squares of all quarter turns exceeds that of the largest, or is NaN."""
         code, wide = self.code, self.code.doubles()
-        if not self.quarters:
-            return "0"
-        total = wide.two("fmul", self.quarters[0], self.quarters[0])
-        for quarters in self.quarters[1:]:
-            total = wide.fma(quarters, quarters, total)
-        mask = wide.compare("ugt", total, wide.constant(LARGEST_QUARTER**2))
+        mask = wide.compare("ugt", self._operand(TOTAL), wide.constant(LARGEST_QUARTER**2))
         return code.new(f"bitcast {code.mask} {mask} to i{code.lanes}")
 
-    def flag(self) -> None:
-        code, flags = self.code, self.too_large()
-        if self.quarters:
-            address = code.new(f"getelementptr i{code.lanes}, ptr %flags, i64 %i")
-            code.do(f"store i{code.lanes} {flags}, ptr {address}, align 1")
-        code.lines.append(f"  %whole = zext i{code.lanes} {flags} to i64\n  %some = or i64 %any, %whole")
+
+class _Parts(Writer):
+    """Writes a loop over some groups for each part of a program."""
+
+    def __init__(
+        self, program: Program, first_row: Mapping[str, int], code: Code, fused: Mapping[int, int], calls: bool
+    ) -> None:
+        super().__init__(program, first_row, code, fused, calls)
+        self.size, wide = code.lanes * BYTES[code.scalar], 8 * code.lanes
+        self.last = self._last_reads()
+        self.starts = self._starts()
+        places = self._places()
+        self.group = wide + self.size * (1 + max(places.values(), default=-1))
+        self.count = min(GROUPS, KEPT // self.group)
+        if self.count < FEWEST:
+            self.starts, places, self.count = [0], {}, 1
+        self.places = {k: wide + self.size * place for k, place in places.items()} | {TOTAL: 0}
+
+    def write(self, first: int = 0, until: int | None = None) -> None:
+        lines, ends = self.code.lines, [*self.starts[1:], None]
+        for p, (start, end) in enumerate(zip(self.starts, ends, strict=True)):
+            self.values, self.offset, self.base = {}, f"%offset{p}", f"%base{p}"
+            lines.append(LOOP.format(p=p, before=f"end{p - 1}" if p else "loop", lanes=self.code.lanes))
+            super().write(start, end)
+            if end is None:
+                self._flag(p)
+            elif TOTAL in self.values:
+                self._keep(TOTAL, self.code.doubles())
+            lines.append(END.format(p=p, then="end" if end is None else f"loop{p + 1}", bytes=self.group))
+
+    def _form(self, k: int, value: str) -> None:
+        super()._form(k, value)
+        if k in self.places:
+            self._keep(k, self.code)
+
+    def _keep(self, k: int, code: Code) -> None:
+        address = self._further(self.base, self.places[k])
+        code.do(f"store {code.vector} {self.values[k]}, ptr {address}, align {self.size}")
+
+    def _kept(self, k: int) -> str:
+        code = self.code.doubles() if k == TOTAL else self.code
+        address = self._further(self.base, self.places[k])
+        return code.new(f"load {code.vector}, ptr {address}, align {self.size}")
+
+    def _flag(self, p: int) -> None:
+        if self.angles:
+            code, bits = self.code, max(8, self.code.lanes)
+            these = code.new(f"zext i{code.lanes} {self.too_large()} to i64")
+            address = code.new(f"getelementptr i{bits}, ptr %flags, i64 %i{p}")
+            code.do(f"store i{bits} {code.new(f'trunc i64 {these} to i{bits}')}, ptr {address}, align 1")
+            before = code.new("load i64, ptr %some")
+            code.do(f"store i64 {code.new(f'or i64 {before}, {these}')}, ptr %some")
+
+    def _last_reads(self) -> dict[int, int]:
+        """For each value that an operation reads: where the last one does; factors are read where a sum takes them."""
+        last: dict[int, int] = {}
+        for k, (op, a, b) in enumerate(self.program.operations):
+            if op is not INPUT and op is not CONSTANT and k not in self.products:
+                product = self.fused.get(k)
+                factors = () if product is None else self.program.operations[product][1:]
+                last.update((x, k) for x in (a, b, *factors) if x is not None and x != product)
+        kinds = (INPUT, CONSTANT)
+        return {x: k for x, k in last.items() if self.program.operations[x][0] not in kinds}
+
+    def _starts(self) -> list[int]:
+        """Return where parts begin: where few values are alive, in the second half of as many operations as may be."""
+        operations, starts = self.program.operations, [0]
+        changes = np.zeros(len(operations) + 1, int)
+        for x, k in self.last.items():
+            changes[x + 1] += 1
+            changes[k + 1] -= 1
+        alive = changes[:-1].cumsum()
+        costs = [0 if op in (INPUT, CONSTANT) else ANGLE if op in (SIN, COS) else 1 for op, _, _ in operations]
+        done = np.cumsum([0, *costs])
+        while done[-1] - done[starts[-1]] > PART:
+            low, high = np.searchsorted(done, done[starts[-1]] + np.array([PART // 2, PART]))
+            starts.append(int(low + alive[low:high].argmin()))
+        return starts
+
+    def _places(self) -> dict[int, int]:
+        """Return places in memory for what later parts read; the next part may use those that are read no more."""
+        first = {k: min(both) for both in self.turns.values() for k in both}
+        begin = {x: bisect(self.starts, first.get(x, x)) for x in self.last}
+        end = {x: bisect(self.starts, k) for x, k in self.last.items()}
+        places: dict[int, int] = {}
+        free, fresh = list[int](), count()
+        for part in range(1, len(self.starts) + 1):
+            for x in self.last:
+                if begin[x] == part < end[x]:
+                    places[x] = free.pop() if free else next(fresh)
+            free += [place for x, place in places.items() if end[x] == part]
+        return places

@@ -33,6 +33,16 @@ class Host(NamedTuple):
         """Whether the processor multiplies and adds in one instruction."""
         return "+fma," in self.features + "," or self.triple.startswith(("aarch64", "arm64"))
 
+    @property
+    def vector(self) -> int:
+        """Bytes worked on at a time: a register of AVX-512 or AVX2; or two of NEON, which has twice as many."""
+        return 64 if "+avx512vl," in self.features + "," else 32
+
+    @property
+    def pooled(self) -> bool:
+        """Whether operands in memory must be whole vectors, as AVX2 wants them; the others repeat one number."""
+        return self.vector == 32 and self.triple.startswith("x86_64")
+
 
 @cache
 def host() -> Host:

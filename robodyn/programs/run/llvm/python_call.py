@@ -62,7 +62,7 @@ def sample_kernel(program: Program, widths: Mapping[str, int]) -> str:
         given=given,
         loads="\n".join(loads),
         body="\n".join(writer.code.lines),
-        refused="refused:\n  ret i64 1" if writer.quarters else "",
+        refused="refused:\n  ret i64 1" if writer.angles else "",
     )
 
 
@@ -72,9 +72,9 @@ class _Sample(Writer):
         self.results: list[tuple[str, int]] = []
         self.arrays = {source: f"%source{k}" for k, source in enumerate(widths)}
 
-    def write(self) -> None:
-        super().write()
-        if self.quarters:
+    def write(self, first: int = 0, until: int | None = None) -> None:
+        super().write(first, until)
+        if self.angles:
             self.code.lines.append(f"  br i1 {self.too_large()}, label %refused, label %fine\nfine:")
         for value, row in self.results:
             address = self.code.new(f"getelementptr double, ptr %to, i64 {row - self.first_row['']}")
