@@ -22,6 +22,7 @@ from robodyn.programs.run.llvm.functions import BYTES
 from robodyn.programs.run.llvm.kernel import kernel
 from robodyn.programs.run.llvm.machine import Function, host
 from robodyn.programs.run.numpy_blocks import Numbers, NumpyBlocks
+from robodyn.programs.scalar import CONSTANT
 from robodyn.support.threads import cores
 
 if TYPE_CHECKING:
@@ -63,6 +64,9 @@ class CompiledBlocks:
         self.sources = [source for source in first_row if source]
         self.rows = first_row[""] + len(program.distinct.outputs)
         self.homes = np.array(program.homes, np.int64)
+        zeros = [c for c, k in enumerate(program.outputs) if program.operations[k] == (CONSTANT, 0.0, None)]
+        self._not_zero = self.homes.copy()
+        self._not_zero[zeros[1:]] = -1  # the kernel writes the first
         self._shared = len(program.homes) > len(program.distinct.outputs)
         self._in_order = np.arange(max(self.widths.values(), default=0), dtype=np.int64)
         self.kernel = built("kernel", content_of(program, widths, dtype), lambda: kernel_of(program, widths, dtype))
@@ -76,14 +80,15 @@ class CompiledBlocks:
         self, sources: Mapping[str, Numbers], samples: int, out: Numbers | None = None, threads: int | None = 1
     ) -> Numbers:
         """Return outputs (samples, outputs) for arrays (samples, columns) in any layout, contiguous columns being the
-        fastest, written to `out` if given; else each of their columns is contiguous. At most so many threads work at a
-        time, None is all cores; fewer where the work is small. ValueError where a source has another shape.
+        fastest, written to `out` if given; else each of their columns is contiguous, and what is always zero is not
+        written. At most so many threads work at a time, None is all cores; fewer where the work is small. ValueError
+        where a source has another shape.
 
         Accuracy: each operation is rounded once, or once with the sum that takes it in; sine, cosine and exponential
         within 1 ulp.
         """
         outputs = len(self.program.outputs)
-        result = np.empty((outputs, samples), self.dtype).T if out is None else out
+        result = np.zeros((outputs, samples), self.dtype).T if out is None else out
         if samples == 0 or outputs == 0:
             return result
         if samples <= FEW and self._few(sources, samples, result):
@@ -102,7 +107,8 @@ class CompiledBlocks:
             fits = out.dtype == self.dtype and out.flags.behaved and out.shape == (samples, outputs)
             if not fits or any(np.may_share_memory(out, given) for given in arrays):
                 target = np.empty((outputs, samples), self.dtype).T
-        flagged = self._many(arrays, samples, target, cores(threads))
+        homes = self._not_zero if out is None else self.homes
+        flagged = self._many(arrays, samples, target, homes, cores(threads))
         if len(flagged):
             chosen = {name: given[flagged] for name, given in zip(self.sources, arrays, strict=True)}
             target[flagged] = self._fallback(chosen, len(flagged))
@@ -141,10 +147,12 @@ class CompiledBlocks:
         inputs = [(source, memory[k : k + width, :samples].T, (samples, width)) for source, k, width in starts]
         return inputs, memory[first_row[""] :, :samples].T, places, (table, flags)
 
-    def _many(self, given: list[Numbers], samples: int, out: Numbers, threads: int) -> NDArray[np.int64]:
+    def _many(
+        self, given: list[Numbers], samples: int, out: Numbers, homes: NDArray[np.int64], threads: int
+    ) -> NDArray[np.int64]:
         """Write the results of all samples, piece by piece in some threads; return the samples that are flagged."""
         few = len(self.program.distinct.outputs) <= MOST_STREAMS
-        fields = [*(_fields(each, self._in_order) for each in given), _fields(out, self.homes, few)]
+        fields = [*(_fields(each, self._in_order) for each in given), _fields(out, homes, few)]
         contiguous = all(each.strides[0] == each.itemsize for each in (*given, out))
         block = LONG_BLOCK if contiguous and samples >= 8 * LONG_BLOCK else BLOCK
         threads = max(1, min(threads, samples * self.program.size // THREAD_WORK, samples // block))

@@ -227,6 +227,9 @@ BLOCK = """\
 HOME = """\
   %home_at = getelementptr i64, ptr %homes, i64 %c
   %home = load i64, ptr %home_at
+  %wanted_here = icmp sge i64 %home, 0
+  br i1 %wanted_here, label %here, label %more
+here:
   %place = add i64 %row, %home
   %entry_place = getelementptr [2 x ptr], ptr %table, i64 %place
   %far = mul i64 %c, %column_stride
@@ -237,7 +240,7 @@ HOME = """\
 FIELDS = ("address", "homes", "sample_stride", "column_stride", "columns", "direct", "stream")
 """What the driver is told of an array, in 64 bits each.
 
-`homes`: of each column the place among the kernel's; strides in bytes; `direct`: 1 where the kernel may work on
+`homes`: of each column the place among the kernel's, -1 of one that is not touched; strides in bytes; `direct`: 1 where the kernel may work on
 contiguous columns themselves; `stream`: 1 where results are copied to contiguous columns past the caches.
 """
 POINTERS = ("kernel", "arrays", "rooms", "flags", "address", "homes")
