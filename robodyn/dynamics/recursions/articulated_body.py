@@ -223,7 +223,7 @@ def at_parent(A: Array, joint: Joint, R: Array, p: Array) -> Array:
 
 def _about_z(B: Array, c: Scalar, s: Scalar) -> Array:
     """R B R^T for a turn R about z: the plane's trace and its antisymmetric part stay, the rest turns twice as far."""
-    (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = B
+    (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = B.tolist()
     stretch, shear = xx - yy, xy + yx
     sine2, product = s * s, c * s
     e, g = sine2 * stretch + product * shear, product * stretch - sine2 * shear
