@@ -139,7 +139,7 @@ def _added(out: Rates, rows: Mapping[Traced, Rates], parts: Iterable[tuple[Trace
         for k, x in rows[node].items():
             change = x if same else -x if opposite else x * factor
             out[k] = total = out[k] + change if k in out else change
-            zeros = zeros or (total.__class__ is not Traced and total == 0.0)
+            zeros = zeros or not (isinstance(total, Traced) or total != 0.0)
     return {k: x for k, x in out.items() if isinstance(x, Traced) or x != 0.0} if zeros else out
 
 
@@ -149,14 +149,16 @@ def _fewest(forwards: list[Row], backwards: list[Row], tape: Tape) -> list[Row]:
     shares = Counter(_users(rows, tape))  # operations that the same rows need
 
     def size(taken: int) -> int:
-        return sum(operations for bits, operations in shares.items() if bits & taken)
+        return sum([operations for bits, operations in shares.items() if bits & taken])
 
     one_way = (1 << count) - 1
-    taken, before = min(one_way, one_way << count, key=size), -1
+    (least, taken), before = min((size(taken), taken) for taken in (one_way, one_way << count)), -1
     while taken != before:
         before = taken
         for i in range(count):
-            taken = min(taken, taken ^ (1 << i | 1 << i + count), key=size)
+            other = taken ^ (1 << i | 1 << i + count)
+            if (needed := size(other)) < least:
+                least, taken = needed, other
     return [rows[i + count * (taken >> i + count & 1)] for i in range(count)]
 
 

@@ -109,7 +109,7 @@ def trace(function: Callable[[Tape], Iterable[Any]], first: Sequence[int] = ()) 
                     a, b = place[a.serial], b and place[b.serial]
                 place[node.serial] = len(operations)
                 operations.append((op, a, b))
-        tape.forget()
+        tape.nodes.clear()  # operations are in no circle then and go away with what holds them
         return Program(tuple(operations), tuple(place[node.serial] for node in outputs))
     finally:
         if collecting:

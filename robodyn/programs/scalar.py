@@ -28,10 +28,6 @@ class Tape:
     def constant(self, value: float) -> Traced:
         return self.node(CONSTANT, float(value), None)
 
-    def forget(self) -> None:
-        """Let go of all operations, which are in no circle then and go away with what holds them."""
-        self.nodes.clear()
-
     def node(self, op: str, a: Any, b: Any) -> Traced:
         new = Traced()
         known = self.nodes.setdefault((op, a, b), new)  # most are new: one search finds that out and puts them there

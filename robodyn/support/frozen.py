@@ -41,8 +41,6 @@ class FrozenMapping(Mapping[str, V]):
 
 def frozen(value: Any) -> Any:
     """Return the value with read-only copies of mappings, sequences and arrays, also inside each other."""
-    if isinstance(value, (str, float, int)):
-        return value
     if isinstance(value, Mapping):
         return FrozenMapping({key: frozen(each) for key, each in value.items()})
     if isinstance(value, (list, tuple)):

@@ -176,13 +176,12 @@ class Runner:
             return Choice("numpy", self._problem)
         if kind in self._compiled and not expected:
             return READY
+        with self._counting:
+            done = (0, 0, 0) if expected else (self._samples, self._runs, self._blocks)
 
         def chosen(block: int) -> Choice:
-            if expected:
-                return choice(Work(self.program.size, expected, 1, -(-expected // block)))
-            with self._counting:
-                blocks = self._blocks + -(-samples // block)
-                return choice(Work(self.program.size, self._samples + samples, self._runs + 1, blocks))
+            now = expected or samples
+            return choice(Work(self.program.size, done[0] + now, done[1] + 1, done[2] - (-now // block)))
 
         at_best = chosen(LARGEST)  # NumPy has its steps laid out, which takes a while, only where it may be chosen
         return at_best if at_best.executor == "compiled" else chosen(self._by_numpy(kind).block)
