@@ -5,6 +5,7 @@ from __future__ import annotations
 import operator
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from itertools import compress
 from typing import Any
 
 from robodyn.programs.program import Program, trace
@@ -15,6 +16,7 @@ Direction = Mapping[Traced, Scalar]
 """How fast inputs change along a direction; those that it does not name stay as they are."""
 
 Row = list[Scalar]
+Rates = dict[int, Scalar]
 
 
 def jacobian(outputs: Sequence[Scalar], directions: Sequence[Direction]) -> list[Row]:
@@ -28,37 +30,36 @@ def jacobian(outputs: Sequence[Scalar], directions: Sequence[Direction]) -> list
 
     Accuracy: as that of the outputs; each operation contributes a few roundings of its own partial derivatives.
     """
+    tape = next((output.tape for output in outputs if isinstance(output, Traced)), Tape())
     changing = {node for direction in directions for node in direction}
     # of each operation, operands first: the operands that change along some direction, and its derivative by each
     edges: dict[Traced, list[tuple[Traced, Scalar]]] = {}
-    for node in _reached(outputs):
-        operands = () if node.op in (INPUT, CONSTANT, SIGN) else (node.a, node.b)
-        found = [(operand, k) for k, operand in enumerate(operands) if operand in changing]
-        if found:
-            partials = _partials(node)
-            edges[node] = [(operand, partials[k]) for operand, k in found]
+    for node in list(compress(tape.nodes.values(), _users([outputs], tape))):
+        if node.op in _PARTIALS and (node.a in changing or node.b in changing):
+            parts = zip((node.a, node.b), _PARTIALS[node.op](node), strict=False)
+            edges[node] = [(operand, partial) for operand, partial in parts if operand in changing]
             changing.add(node)
 
-    rates: dict[Traced, dict[int, Scalar]] = defaultdict(dict)
+    rates: dict[Traced, Rates] = defaultdict(dict)
     for k, direction in enumerate(directions):
         for node, rate in direction.items():
             rates[node][k] = rate
     for node, changes in edges.items():
-        rates[node] = _combined((rates[operand], partial) for operand, partial in changes)
+        rates[node] = _added({}, rates, changes)
     along = [rates.get(output, {}) if isinstance(output, Traced) else {} for output in outputs]
     forwards = [[row.get(k, 0.0) for k in range(len(directions))] for row in along]
 
-    weights: dict[Traced, dict[int, Scalar]] = defaultdict(dict)
+    weights: dict[Traced, Rates] = defaultdict(dict)
     for i, output in enumerate(outputs):
         if isinstance(output, Traced):
             weights[output][i] = 1.0
     for node in reversed(edges):
         if node in weights:
             for operand, partial in edges[node]:
-                weights[operand] = _combined(((weights[operand], 1.0), (weights[node], partial)))
-    columns = [_combined((weights[node], rate) for node, rate in direction.items()) for direction in directions]
+                weights[operand] = _added(weights[operand], weights, [(node, partial)])
+    columns = [_added({}, weights, direction.items()) for direction in directions]
     backwards = [[column.get(i, 0.0) for column in columns] for i in range(len(outputs))]
-    return _fewest(forwards, backwards)
+    return _fewest(forwards, backwards, tape)
 
 
 def derivative(program: Program, inputs: Sequence[tuple[str, int]]) -> Program:
@@ -96,73 +97,68 @@ FUNCTIONS: dict[str, Callable[..., Scalar]] = {
 """Each operation on scalars of any kind."""
 
 
-def _reached(outputs: Iterable[Scalar]) -> list[Traced]:
-    """Return what the outputs depend on, operands before what uses them."""
-    found: set[Traced] = set()
-    waiting = [each for each in outputs if isinstance(each, Traced)]
-    while waiting:
-        node = waiting.pop()
-        if node not in found:
-            found.add(node)
-            waiting += [each for each in (node.a, node.b) if isinstance(each, Traced)]
-    return sorted(found, key=lambda node: node.serial)
-
-
-def _partials(node: Traced) -> tuple[Scalar, ...]:
-    op, a, b = node.op, node.a, node.b
-    if op is MUL:
-        return b, a
-    if op is ADD:
-        return 1.0, 1.0
-    if op is SUB:
-        return 1.0, -1.0
-    if op is DIV:
-        inverse = 1.0 / b
-        return inverse, -(node * inverse)
-    one: dict[str, Callable[[], Scalar]] = {
-        NEG: lambda: -1.0,
-        SIN: a.cos,
-        COS: lambda: -a.sin(),
-        SQRT: lambda: 0.5 / node,
-        EXP: lambda: node,
-    }
-    return (one[op](),)
-
-
-def _combined(parts: Iterable[tuple[Mapping[int, Scalar], Scalar]]) -> dict[int, Scalar]:
-    """Return the sum of rows of a sparse matrix, each times a factor."""
-    out: dict[int, Scalar] = {}
-    for row, factor in parts:
-        for k, x in row.items():
-            out[k] = out.get(k, 0.0) + x * factor
-    return {k: x for k, x in out.items() if isinstance(x, Traced) or x != 0.0}
-
-
-def _fewest(forwards: list[Row], backwards: list[Row]) -> list[Row]:
-    """Return all rows one way or all the other, then row by row the other way where that saves operations."""
-    rows, count = [*forwards, *backwards], len(forwards)
-    needed: dict[Traced, int] = defaultdict(int)  # bit k: by row k
+def _users(rows: Iterable[Iterable[Scalar]], tape: Tape) -> list[int]:
+    """Return for each operation of a tape which rows need it: bit k for row k; 0 for inputs and constants."""
+    bits = [0] * len(tape.nodes)
     for k, row in enumerate(rows):
         for x in row:
             if isinstance(x, Traced):
-                needed[x] |= 1 << k
-    shares: Counter[int] = Counter()  # operations that the same rows need
-    for node in reversed(_reached(needed)):
-        if node.op not in (INPUT, CONSTANT):
-            shares[needed[node]] += 1
-            for operand in (node.a, node.b):
-                if isinstance(operand, Traced):
-                    needed[operand] |= needed[node]
+                bits[x.serial] |= 1 << k
+    for node, own in zip(reversed(tape.nodes.values()), reversed(bits), strict=True):
+        if node.op is INPUT or node.op is CONSTANT:
+            bits[node.serial] = 0
+        elif own:
+            bits[node.a.serial] |= own
+            if node.b is not None:
+                bits[node.b.serial] |= own
+    return bits
+
+
+_PARTIALS: dict[str, Callable[[Traced], tuple[Scalar, ...]]] = {
+    NEG: lambda node: (-1.0,),
+    ADD: lambda node: (1.0, 1.0),
+    SUB: lambda node: (1.0, -1.0),
+    MUL: lambda node: (node.b, node.a),
+    DIV: lambda node: (1.0 / node.b, -(node * (1.0 / node.b))),
+    SQRT: lambda node: (0.5 / node,),
+    SIN: lambda node: (node.a.cos(),),
+    COS: lambda node: (-node.a.sin(),),
+    EXP: lambda node: (node,),
+}
+"""The derivatives of each operation by its operands; of `sign` there is none."""
+
+
+def _added(out: Rates, rows: Mapping[Traced, Rates], parts: Iterable[tuple[Traced, Scalar]]) -> Rates:
+    """Return a row of a sparse matrix, which changes, with rows of another added, each times a factor."""
+    zeros = False
+    for node, factor in parts:
+        same, opposite = factor == 1.0, factor == -1.0
+        if same and not out:
+            out.update(rows[node])
+            continue
+        for k, x in rows[node].items():
+            change = x if same else -x if opposite else x * factor
+            out[k] = total = out[k] + change if k in out else change
+            zeros = zeros or not (isinstance(total, Traced) or total != 0.0)
+    return {k: x for k, x in out.items() if isinstance(x, Traced) or x != 0.0} if zeros else out
+
+
+def _fewest(forwards: list[Row], backwards: list[Row], tape: Tape) -> list[Row]:
+    """Return all rows one way or all the other, then row by row the other way where that saves operations."""
+    rows, count = [*forwards, *backwards], len(forwards)
+    shares = Counter(_users(rows, tape))  # operations that the same rows need
 
     def size(taken: int) -> int:
-        return sum(operations for users, operations in shares.items() if users & taken)
+        return sum([operations for bits, operations in shares.items() if bits & taken])
 
     one_way = (1 << count) - 1
-    taken, before = min(one_way, one_way << count, key=size), -1
+    (least, taken), before = min((size(taken), taken) for taken in (one_way, one_way << count)), -1
     while taken != before:
         before = taken
         for i in range(count):
-            taken = min(taken, taken ^ (1 << i | 1 << i + count), key=size)
+            other = taken ^ (1 << i | 1 << i + count)
+            if (needed := size(other)) < least:
+                least, taken = needed, other
     return [rows[i + count * (taken >> i + count & 1)] for i in range(count)]
 
 

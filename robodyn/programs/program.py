@@ -94,23 +94,23 @@ def trace(function: Callable[[Tape], Iterable[Any]], first: Sequence[int] = ()) 
     try:
         tape = Tape()
         outputs = [x if isinstance(x, Traced) else tape.constant(x) for x in function(tape)]
-        position: dict[Traced, int] = {}
+        place: list[Any] = [None] * len(tape.nodes)
         operations: list[tuple[str, Any, Any]] = []
-        stack = [*reversed(outputs), *(outputs[i] for i in reversed(first))]
-        while stack:
-            node = stack[-1]
-            if node in position:
-                stack.pop()
-                continue
-            waiting = [child for child in (node.b, node.a) if isinstance(child, Traced) and child not in position]
-            if waiting:
-                stack.extend(waiting)
-                continue
-            stack.pop()
-            position[node] = len(operations)
-            operations.append((node.op, position.get(node.a, node.a), position.get(node.b, node.b)))
-        tape.forget()
-        return Program(tuple(operations), tuple(position[node] for node in outputs))
+        waiting = [*reversed(outputs), *(outputs[i] for i in reversed(first))]
+        while waiting:
+            node = waiting.pop()
+            while place[node.serial] is None:
+                op, a, b = node.op, node.a, node.b
+                if op is not INPUT and op is not CONSTANT:
+                    if place[a.serial] is None or (b is not None and place[b.serial] is None):
+                        waiting.append(node)
+                        node = a if place[a.serial] is None else b
+                        continue
+                    a, b = place[a.serial], b and place[b.serial]
+                place[node.serial] = len(operations)
+                operations.append((op, a, b))
+        tape.nodes.clear()  # operations are in no circle then and go away with what holds them
+        return Program(tuple(operations), tuple(place[node.serial] for node in outputs))
     finally:
         if collecting:
             gc.enable()

@@ -16,10 +16,10 @@ INPUT, CONSTANT = "input", "constant"
 
 
 class Tape:
-    """Where the operations of one trace are written: every distinct (operation, arguments) exactly once."""
+    """Where the operations of one trace are written: every distinct (operation, arguments) exactly once, in order."""
 
     def __init__(self) -> None:
-        self._known: dict[tuple[Any, ...], Traced] = {}
+        self.nodes: dict[tuple[str, Any, Any], Traced] = {}
 
     def input(self, source: str, index: int) -> Traced:
         """Return the scalar that stands for column `index` of the array named `source`."""
@@ -28,25 +28,24 @@ class Tape:
     def constant(self, value: float) -> Traced:
         return self.node(CONSTANT, float(value), None)
 
-    def forget(self) -> None:
-        """Let go of all operations, which are in no circle then and go away with what holds them."""
-        self._known.clear()
-
     def node(self, op: str, a: Any, b: Any) -> Traced:
-        key = (op, a, b)
-        known = self._known.get(key)
-        if known is None:
-            known = self._known[key] = Traced(self, op, a, b, len(self._known))
+        new = Traced()
+        known = self.nodes.setdefault((op, a, b), new)  # most are new: one search finds that out and puts them there
+        if known is new:
+            new.tape, new.op, new.a, new.b, new.serial = self, op, a, b, len(self.nodes) - 1
         return known
 
 
 class Traced:
-    """A scalar known only when the program runs: an input, or an operation on other traced scalars."""
+    """A scalar known only when the program runs: an input, or an operation on other traced scalars; the tape's node of
+    number `serial`."""
 
     __slots__ = ("a", "b", "op", "serial", "tape")
-
-    def __init__(self, tape: Tape, op: str, a: Any, b: Any, serial: int) -> None:
-        self.tape, self.op, self.a, self.b, self.serial = tape, op, a, b, serial
+    tape: Tape
+    op: str
+    a: Any
+    b: Any
+    serial: int
 
     def __repr__(self) -> str:
         return f"<{self.op} #{self.serial}>"

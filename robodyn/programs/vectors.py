@@ -188,4 +188,4 @@ def _rotation(roll: float, pitch: float, yaw: float) -> Floats:
 def snapped(R: Floats) -> Floats:
     """`R` with the entries that lie within one rounding (2^-52) of 0, 1 or -1 replaced by exactly these."""
     nearest = np.round(R)
-    return np.where(np.abs(R - nearest) <= np.finfo(float).eps, nearest, R) + 0.0
+    return np.where(np.abs(R - nearest) <= 2.0**-52, nearest, R) + 0.0

@@ -190,7 +190,7 @@ PIECES = {
         ("%skip = mul i64 %start, %sample_stride", "%skip = mul i64 %start, {bytes}")
     ],
     ("programs/run/test_numpy_blocks.py", "programs/run/numpy_blocks.py"): [
-        ("arg not in home", "True"),
+        ("where[arg] >= temporary", "True"),
         ("np.sign", "lambda x, out: np.copysign(1.0, x, out)"),
     ],
     ("loads/test_blocks.py", "dynamics/arrays.py"): [("rows[:, column]", "rows[:1, column]")],

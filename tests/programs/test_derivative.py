@@ -5,14 +5,18 @@ from __future__ import annotations
 import mpmath
 import numpy as np
 import pytest
+from helpers.counted_calls import calls
 from helpers.exact_rates import exact_rates
+from helpers.oracles import robot
 from helpers.random_programs import seeded
 
+from robodyn.dynamics.plan import Plan
 from robodyn.programs.derivative import again, derivative, jacobian
 from robodyn.programs.program import Program, trace
 from robodyn.programs.run.multiprecision import Multiprecision
 from robodyn.programs.scalar import CONSTANT, Tape
 from robodyn.programs.vectors import sign, sin
+from robodyn.scene.scene import Scene
 
 ROWS = 2
 
@@ -74,3 +78,10 @@ def test_a_row_each_its_own_way() -> None:
     program = trace(both)
     inputs = [*(("x", i) for i in range(30)), ("y", 0)]
     assert derivative(program, inputs).size < 8 * program.size
+
+
+def test_few_calls_for_an_operation() -> None:
+    """Of Python and C, for each that is sought on the tape: the first call with a robot waits for all of them."""
+    torques = Plan(robot("two_link_spatial"), Scene()).torques()
+    found = calls(lambda: derivative(torques, inputs_of({"q": 2, "qd": 2})))
+    assert sum(found.values()) < 10 * found[Tape.node.__code__]

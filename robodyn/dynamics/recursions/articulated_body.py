@@ -26,6 +26,9 @@ UNDECIDED = 1e-6
 """Axes with a smaller sine between them count as parallel: they decide no direction."""
 AXES = {"fixed": (), "revolute": (2,), "prismatic": (5,), "floating": (0, 1, 2, 3, 4, 5)}
 """The entries of a body's acceleration (wd, a) that each kind of joint adds to, where its axis is z."""
+_NEXT, _LAST = np.ix_((1, 2, 0), (1, 2, 0)), np.ix_((2, 0, 1), (2, 0, 1))
+"""Matrices with axes y, z, x in the place of x, y, z, and back."""
+_UPPER = np.triu_indices(3)
 Entries = dict[tuple[int, int], Scalar]
 """Of a symmetric matrix, by (i, j) with i <= j; those left out are zero."""
 
@@ -166,7 +169,7 @@ def aligned(model: Model) -> Model:
         back = Q[body.parent].T if i else np.eye(3)
         R, axis = snapped(product(back, joint.R, turn)), snapped(product(turn.T, joint.axis))
         joint = replace(joint, R=R, p=product(back, joint.p), axis=axis)
-        I = product(turn.T, np.triu(I) + np.triu(I, 1).T, turn)
+        I = product(turn.T, symmetric(I[_UPPER]), turn)
         bodies.append(replace(body, joint=joint, inertia=Inertia(m, product(turn.T, mc), 0.5 * (I + I.T))))
     links = {name: Frame(i, product(Q[i].T, R), product(Q[i].T, p)) for name, (i, R, p) in model.links.items()}
     return Model(model.name, model.file, tuple(bodies), links, model.notes)
@@ -189,7 +192,11 @@ def turned(values: Sequence[Scalar], turns: list[tuple[slice, Array]], back: boo
 def articulated(body: Inertia) -> Array:
     """((I, [m c]), ([m c]^T, m 1)): what takes (wd, a) of a rigid body to the moment and the force (n, f)."""
     H = skew(body.mc)
-    return np.block([[body.I, H], [H.T, body.m * np.eye(3)]])
+    return _joined(body.I, H, body.m * np.eye(3))
+
+
+def _joined(I: Array, H: Array, M: Array) -> Array:
+    return np.concatenate((np.concatenate((I, H), 1), np.concatenate((H.T, M), 1)))
 
 
 def at_parent(A: Array, joint: Joint, R: Array, p: Array) -> Array:
@@ -206,17 +213,17 @@ def at_parent(A: Array, joint: Joint, R: Array, p: Array) -> Array:
         c, s = outer = (cx / sine, sx / sine) if sine else (1.0, 0.0)
         middle, inner = (z, sine), (c * R[0, 0] + s * R[1, 0], -(c * R[0, 1] + s * R[1, 1]))
         blocks = [_about_z(block, *inner) for block in blocks]
-        blocks = [np.roll(_about_z(np.roll(block, -1, (0, 1)), *middle), 1, (0, 1)) for block in blocks]  # about x
+        blocks = [_about_z(block[_NEXT], *middle)[_LAST] for block in blocks]  # about x
         I, H, M = (_about_z(block, *outer) for block in blocks)
     shift = skew(p)
     H_p = H + shift @ M
-    I_p = symmetric((I + shift @ H_p.T + (shift @ H.T).T)[np.triu_indices(3)])
-    return np.block([[I_p, H_p], [H_p.T, M]])
+    I_p = symmetric((I + shift @ H_p.T + (shift @ H.T).T)[_UPPER])
+    return _joined(I_p, H_p, M)
 
 
 def _about_z(B: Array, c: Scalar, s: Scalar) -> Array:
     """R B R^T for a turn R about z: the plane's trace and its antisymmetric part stay, the rest turns twice as far."""
-    (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = B
+    (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = B.tolist()
     stretch, shear = xx - yy, xy + yx
     sine2, product = s * s, c * s
     e, g = sine2 * stretch + product * shear, product * stretch - sine2 * shear

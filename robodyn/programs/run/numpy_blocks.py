@@ -44,7 +44,7 @@ class NumpyBlocks:
         self.dtype: np.dtype[Any] = np.dtype(dtype)
         self.outputs = len(program.outputs)
         self.first_row = program.rows(widths, self.outputs)
-        self.steps, self.rows = _allocated(program, self.first_row, self.first_row.pop(""))
+        self.steps, self.constants, self.rows = _allocated(program, self.first_row, self.first_row.pop(""))
         fitting: int = CACHE_BYTES // (self.dtype.itemsize * max(self.rows, 1)) // 8 * 8
         self.block = min(max(fitting, SMALLEST), LARGEST)
         self._ready: dict[int, tuple[Numbers, list[tuple[Any, tuple[Any, ...]]]]] = {}
@@ -91,47 +91,42 @@ class NumpyBlocks:
         raw = np.ones(self.rows * stride + line, self.dtype)
         first = -(raw.ctypes.data // self.dtype.itemsize) % line
         rows = raw[first : first + self.rows * stride].reshape(self.rows, stride)[:, :size]
-        row = list(rows)  # one view of each, whoever uses it
-        return rows, [
-            (UFUNCS[op], tuple([row[arg] if arg.__class__ is int else arg.astype(self.dtype) for arg in args]))
-            for op, args in self.steps
-        ]
+        # one view of each row, whoever uses it; constants from the end on
+        all_rows = [*rows, *(np.array(number).astype(self.dtype) for number in reversed(self.constants))]
+        return rows, [(UFUNCS[op], tuple(map(all_rows.__getitem__, places))) for op, places in self.steps]
 
 
 def _allocated(
     program: Program, first_row: Mapping[str, int], row: int
-) -> tuple[list[tuple[str, tuple[Any, ...]]], int]:
-    """Return each operation with its operands, and how many rows of the workspace they need; those below `row` are
-    taken. An operand is a row, or a constant as an array of no dimension."""
-    last_use = {
-        arg: k for k, (op, a, b) in enumerate(program.operations) if op not in (INPUT, CONSTANT) for arg in (a, b)
-    }
-    home: dict[int, int] = {}
-    for place, position in enumerate(program.outputs):
-        home.setdefault(position, place)
-    steps: list[tuple[str, tuple[Any, ...]]] = []
-    where: list[Any] = []
+) -> tuple[list[tuple[str, tuple[int, ...]]], list[float], int]:
+    """Return each operation with the rows of its operands and of its result; constants, the first of which is row -1;
+    and how many rows of the workspace are needed; those below `row` are taken."""
+    home = {position: place for place, position in reversed(list(enumerate(program.outputs)))}
+    last_use = [0] * len(program.operations)
+    for k, (op, a, b) in enumerate(program.operations):
+        if op is not INPUT and op is not CONSTANT:
+            last_use[a] = last_use[a if b is None else b] = k
+    temporary, steps = row, list[tuple[str, tuple[int, ...]]]()
+    constants: list[float] = []
+    where: list[int] = []
     free: list[int] = []
     for k, (op, a, b) in enumerate(program.operations):
         if op is INPUT:
             where.append(first_row[a] + b)
-            continue
-        if op is CONSTANT:
-            where.append(np.array(a))
-            continue
-        operands = (a,) if b is None else (a, b)
-        for arg in operands if a != b else (a,):
-            if last_use[arg] == k and arg not in home and program.operations[arg][0] not in (INPUT, CONSTANT):
-                free.append(where[arg])
-        if k in home:
-            target = home[k]
-        elif free:
-            target = free.pop()
+        elif op is CONSTANT:
+            constants.append(a)
+            where.append(-len(constants))
         else:
-            target, row = row, row + 1
-        where.append(target)
-        steps.append((op, (*(where[arg] for arg in operands), target)))
-    for place, position in enumerate(program.outputs):
-        if not isinstance(where[position], int) or where[position] != place:
-            steps.append((COPY, (where[position], place)))
-    return steps, row
+            for arg in (a,) if b is None or b == a else (a, b):
+                if last_use[arg] == k and where[arg] >= temporary:
+                    free.append(where[arg])
+            if k in home:
+                target = home[k]
+            elif free:
+                target = free.pop()
+            else:
+                target, row = row, row + 1
+            where.append(target)
+            steps.append((op, (where[a], target) if b is None else (where[a], where[b], target)))
+    copies = ((COPY, (where[position], place)) for place, position in enumerate(program.outputs))
+    return [*steps, *(step for step in copies if step[1][0] != step[1][1])], constants, row

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from robodyn.errors import InputError, RobodynWarning
 from robodyn.programs.program import Program
 from robodyn.programs.run.llvm.machine import compiler_problem, one_line
-from robodyn.programs.run.numpy_blocks import NumpyBlocks
+from robodyn.programs.run.numpy_blocks import LARGEST, NumpyBlocks
 from robodyn.support.threads import cores
 from robodyn.support.wording import alternatives
 
@@ -176,12 +176,15 @@ class Runner:
             return Choice("numpy", self._problem)
         if kind in self._compiled and not expected:
             return READY
-        block = self._by_numpy(kind).block
-        if expected:
-            return choice(Work(self.program.size, expected, 1, -(-expected // block)))
         with self._counting:
-            blocks = self._blocks + -(-samples // block)
-            return choice(Work(self.program.size, self._samples + samples, self._runs + 1, blocks))
+            done = (0, 0, 0) if expected else (self._samples, self._runs, self._blocks)
+
+        def chosen(block: int) -> Choice:
+            now = expected or samples
+            return choice(Work(self.program.size, done[0] + now, done[1] + 1, done[2] - (-now // block)))
+
+        at_best = chosen(LARGEST)  # NumPy has its steps laid out, which takes a while, only where it may be chosen
+        return at_best if at_best.executor == "compiled" else chosen(self._by_numpy(kind).block)
 
     def _made(self, kind: type) -> str | None:
         if problem := compiler_problem():

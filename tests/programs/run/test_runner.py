@@ -71,7 +71,9 @@ def test_reasons_name_the_work():
 
 @needs_compiler
 def test_much_work_is_done_by_machine_code(fresh):
-    found = run(made(), expected=HUGE)
+    a_runner = made()
+    found = run(a_runner, expected=HUGE)
+    assert not a_runner._numpy, "its steps are laid out only where NumPy may be chosen"
     np.testing.assert_array_equal(found.values, CompiledBlocks(PROGRAM, {"x": 2})({"x": X}, len(X)))
     assert found.choice == ("compiled", "1000000000 samples of 301 operations are worth machine code")
 
