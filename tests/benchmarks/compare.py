@@ -166,6 +166,9 @@ class Comparison:
             file, states_file = Path(folder) / "robot.urdf", Path(folder) / "states.npz"
             file.write_text(described, encoding="utf-8")
             model = robodyn.load(file)
+            if model.nq > model.n:
+                self.skip(robot, "not every joint has one degree of freedom")
+                return
             states = drawn(model)
             np.savez(states_file, **states)
             about = json.dumps({"file": str(file), "root": model.bodies[0].name, "names": list(model.rates)})

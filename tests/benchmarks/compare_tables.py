@@ -140,12 +140,12 @@ def document(data: Mapping[str, Any], command: str) -> doc.Document:
     tables = Tables(data)
     versions = tuple(f"{title} {version}" for title, version in data["versions"].items())
     blocks = (
-        *doc.paragraphs([f"{data['machine'].strip()} Processor: {data['processor']}.", *data["skipped"]]),
+        doc.Paragraph(f"{data['machine'].strip()} Processor: {data['processor']}."),
         *tables.charts(),
         doc.Heading("In numbers"),
         *tables.all(),
         doc.Heading("How it was measured"),
-        *doc.paragraphs(METHOD),
+        *doc.paragraphs([*METHOD, *data["skipped"]]),
     )
     return doc.Document("Rigid-body dynamics", "robodyn beside other libraries", blocks, command, versions)
 
