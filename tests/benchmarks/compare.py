@@ -51,7 +51,7 @@ ROBOTS = {
 }
 """Files, and names of those that example-robot-data brings."""
 QUICK = ("UR5", "HyQ")
-ROUNDS, QUICK_ROUNDS = 5, 3
+ROUNDS, QUICK_ROUNDS = 9, 3
 DIGITS = 50
 SEED = 0
 ALONE = {
@@ -251,6 +251,8 @@ def main() -> None:
         comparison.measure(robot)
     for process in comparison.processes:
         process.end()
+    if not comparison.results:
+        parser.error("nothing could be measured")
     data = comparison.data()
     if given.out:
         command = shlex.join(["python", "-m", "benchmarks.compare", *sys.argv[1:]])

@@ -247,11 +247,8 @@ class Drake(Library):
             return rnea
 
         def forward(plant: Any) -> Callable[..., Any]:
-            context = plant.CreateDefaultContext()
-            applied, found = (
-                plant.get_applied_generalized_force_input_port(),
-                plant.get_generalized_acceleration_output_port(),
-            )
+            context, applied = plant.CreateDefaultContext(), plant.get_applied_generalized_force_input_port()
+            found = plant.get_generalized_acceleration_output_port()
 
             def aba(state: Floats, t: Floats) -> Any:
                 plant.SetPositionsAndVelocities(context, state)

@@ -27,7 +27,7 @@ PUBLISHED = (
         {
             "iiwa": {"RNEA": 0.2, "ABA": 0.9, "dRNEA": 1.4, "dABA": 2.5},
             "HyQ": {"RNEA": 0.3, "ABA": 1.2, "dRNEA": 2.1, "dABA": 3.8},
-            "Atlas": {"RNEA": 1.1, "ABA": 5.3, "dRNEA": 10.0, "dABA": 22.7},
+            "atlas": {"RNEA": 1.1, "ABA": 5.3, "dRNEA": 10.0, "dABA": 22.7},
         },
     ),
     Published(
@@ -38,7 +38,7 @@ PUBLISHED = (
         {
             "iiwa": {"RNEA": 3.0, "ABA": 7.7, "dRNEA": 6.3, "dABA": 12.9},
             "HyQ": {"RNEA": 3.2, "ABA": 6.9, "dRNEA": 5.8, "dABA": 11.0},
-            "Atlas": {"RNEA": 8.0, "ABA": 22.4, "dRNEA": 19.5, "dABA": 42.1},
+            "atlas": {"RNEA": 8.0, "ABA": 22.4, "dRNEA": 19.5, "dABA": 42.1},
         },
     ),
     Published(
@@ -46,7 +46,7 @@ PUBLISHED = (
         "documentation of RigidBodyDynamics.jl, medians with Julia 1.1.0",
         "github.com/JuliaRobotics/RigidBodyDynamics.jl/blob/master/docs/src/benchmarks.md",
         "Intel Core i7-6950X, 3.0 GHz",
-        {"Atlas": {"RNEA": 5.727, "CRBA": 5.795, "ABA": 18.862}},
+        {"atlas": {"RNEA": 5.727, "CRBA": 5.795, "ABA": 18.862}},
     ),
 )
-"""One state a call. GRiD's forward dynamics multiplies by an inverse of the mass matrix."""
+"""One state a call; atlas is a file `atlas.urdf`, if given. Forward dynamics of the first two multiplies by M^-1."""
