@@ -204,7 +204,7 @@ class Comparison:
                     "way": way,
                     "samples": answer["samples"][act],
                     "seconds": asdict(Spread.of(spent)),
-                    "error": errors[process].get(act, errors[process].get(f"{algorithm} one")),
+                    "error": errors[process][act],
                     **told,
                 }
             )

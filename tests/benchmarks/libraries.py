@@ -369,14 +369,9 @@ class Server:
         self.acts, found = {"empty": (partial(each, library.empty, [()] * CALLS), CALLS)}, {}
         for way, functions in library.calls.items():
             for name in filter(functions.__contains__, algorithms):
-                states_of, function = library.states(name), functions[name]
-                rows = (
-                    [library.read(name, function(*state)) for state in states_of[: CHECKED[name]]]
-                    if way == "one"
-                    else []
-                )
-                found |= {f"{name} one": np.array(rows)} if rows else {}
-                self.acts[f"{name} {way}"] = partial(each, function, states_of), len(states_of)
+                rows, function = library.states(name), functions[name]
+                found[f"{name} {way}"] = np.array([library.read(name, function(*row)) for row in rows[: CHECKED[name]]])
+                self.acts[f"{name} {way}"] = partial(each, function, rows), len(rows)
         for name in filter(library.block.__contains__, algorithms):
             act = library.block[name]
             found[f"{name} block"] = library.read(name, act())[: CHECKED[name]]
