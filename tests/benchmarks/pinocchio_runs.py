@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import cache, partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from helpers.example_robots import path_of
@@ -97,26 +96,6 @@ def in_parallel(model: Model, name: str, state: Sequence[Floats]) -> tuple[Calla
     run = partial(getattr(pin, name), 1, pin.ModelPool(other, 1), Q, V, A, out)
     back = np.linalg.pinv(S).T if forwards else S
     return run, lambda: out[rows].T @ back
-
-
-def each(function: Callable[..., Any], states: list[tuple[np.ndarray, ...]]) -> Callable[[], None]:
-    """Call a function with each state."""
-
-    def run() -> None:
-        for state in states:
-            function(*state)
-
-    return run
-
-
-def peer_states(model: Model, calls: int) -> tuple[Any, Any, list[tuple[np.ndarray, ...]]]:
-    """Pinocchio's model and data of a robot, and so many random states (q, v, a)."""
-    import pinocchio as pin
-
-    other, rng = pin.buildModelFromXML(bare_description(model)), np.random.default_rng(1)
-    q = [pin.randomConfiguration(other, -np.ones(other.nq), np.ones(other.nq)) for _ in range(calls)]
-    v, a = rng.uniform(-1, 1, (2, calls, other.nv))
-    return other, other.createData(), list(zip(q, v, a, strict=True))
 
 
 def following(model: Model) -> tuple[Floats, Floats]:

@@ -31,8 +31,10 @@ GENERATED = ("reference/commands.md", "reference/python.md", "reference/json_key
 """Pages in docs/ that are written when Sphinx starts; see `docs/generated_pages.py`."""
 PLAIN = re.compile(r"robodyn ([^|;&<>$*?`\n]*)(?:\| (.*))?")
 """A call of robodyn, and the filters that read what it prints."""
-ELSEWHERE = re.compile(r"pip install|pytest|python -m pytest|sphinx-build|ruff |mypy |git |cd |\.ci/run|pre-commit")
-"""How commands begin that install, test or build; `.ci/run` does that instead."""
+ELSEWHERE = re.compile(
+    r"pip install|pytest|python -m (?:pytest|benchmarks)|sphinx-build|ruff |mypy |git |cd |\.ci/run|pre-commit"
+)
+"""How commands begin that install, test, measure or build; `.ci/run` does that instead, and slow tests do."""
 
 
 def hand_written() -> list[Path]:

@@ -21,14 +21,13 @@ from robodyn.scene.scene import Scene
 
 TIMED = {
     "speed": "bench_executors",
+    "libraries": "compare",
     "streaming": "bench_streaming",
     "tables": "bench_tables",
     "startup": "bench_startup",
     "forward": "bench_executors --forward 1",
-    "gradients": "bench_derivatives",
     "contacts": "bench_contacts",
     "excitation": "bench_excitation",
-    "one-sample": "bench_one_sample",
     "precision": "bench_work_precision",
     "meshes": "bench_startup --meshes 5000000",
     "check": "bench_check",

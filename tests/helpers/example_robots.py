@@ -6,8 +6,6 @@ import importlib.metadata
 from functools import cache
 from pathlib import Path
 
-import pytest
-
 from robodyn.robot.load import load
 
 LARGE = ("tiago", "talos", "icub", "g1_29dof", "centauro", "alex", "romeo", "pr2")
@@ -34,6 +32,8 @@ LARGE_ONES = {path.stem for path in PATHS if path.stem.startswith(LARGE)} - {"ta
 
 def cases(leave_out=()):
     """The robots as parameters of a test, the large ones among the slow."""
+    import pytest
+
     for path in PATHS:
         if path.stem not in leave_out:
             slow = path.stem.startswith(LARGE) and path.stem != "talos_full_v2"
@@ -52,6 +52,8 @@ MORE_KINDS += ("talos_full_v2", "g1_29dof_with_hand_rev_1_0")
 
 def kinds():
     """Twelve robots of every kind as parameters of a test, most of them among the slow."""
+    import pytest
+
     slow = [pytest.param(path_of(stem), id=stem, marks=pytest.mark.slow) for stem in MORE_KINDS]
     return [*(pytest.param(path_of(stem), id=stem) for stem in KINDS), *slow]
 
