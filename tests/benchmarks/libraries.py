@@ -18,10 +18,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from benchmarks.limit import limit
+
 import robodyn
 from robodyn.dynamics.function import KINDS
 from robodyn.dynamics.plan import plan
-from robodyn.programs.run.llvm.machine import host
+from robodyn.programs.program import Program
+from robodyn.programs.run.compiled_blocks import lanes_of
 from robodyn.scene.scene import DEFAULT
 from robodyn.support.floats import Floats
 
@@ -46,8 +49,8 @@ CHECKED = {"RNEA": 24, "CRBA": 24, "ABA": 24, "dRNEA": 4, "dABA": 4}
 """States whose results are compared with those in 50 digits, which take long: the first."""
 CALLS, BLOCK = 50, 1000
 """States that are computed one a call, and in a block."""
-OURS, NUMBERS = 100_000, 2_000_000
-"""States of a block of robodyn, and numbers among its results at most."""
+OURS, NUMBERS = 100_000, 500_000
+"""States of a block of robodyn, and numbers among its results at most, which stay in the caches."""
 TURN = 0.02
 """Seconds of a turn at least."""
 CONSTANT = Path(__file__).parents[2] / "robots" / "pendulum.urdf"
@@ -119,15 +122,9 @@ class Robodyn(Library):
         return np.array(found[..., :2, :, :] if algorithm.startswith("d") else found)
 
 
-def told(program: Any) -> dict[str, float]:
-    """Operations of a state, and the seconds that their arithmetic takes at least, if `benchmarks.limit` is there."""
-    try:
-        from benchmarks.limit import limit
-    except ImportError:
-        return {"operations": program.size}
-    features = host().features.split(",")
-    lanes = 8 if "+avx512f" in features else 4 if "+avx2" in features else 2
-    return {"operations": program.size, "limit": limit(program, lanes)}
+def told(program: Program) -> dict[str, float]:
+    """Operations of a state, and the seconds that their arithmetic takes at least."""
+    return {"operations": program.size, "limit": limit(program, lanes_of("double"))}
 
 
 class Pinocchio(Library):
