@@ -65,10 +65,11 @@ class CompiledBlocks:
         self.rows = first_row[""] + len(program.distinct.outputs)
         self.homes = np.array(program.homes, np.int64)
         zeros = [c for c, k in enumerate(program.outputs) if program.operations[k] == (CONSTANT, 0.0, None)]
-        self._not_zero = self.homes.copy()
-        self._not_zero[zeros[1:]] = -1  # the kernel writes the first
+        self._written = array("q", program.homes), array("q", program.homes)  # to any memory, and to zeros
+        for place in zeros[1:]:  # the kernel writes the first
+            self._written[1][place] = -1
         self._shared = len(program.homes) > len(program.distinct.outputs)
-        self._in_order = np.arange(max(self.widths.values(), default=0), dtype=np.int64)
+        self._in_order = array("q", range(max(self.widths.values(), default=0)))
         self.kernel = built("kernel", content_of(program, widths, dtype), lambda: kernel_of(program, widths, dtype))
         scalar = SCALARS[self.dtype.name]
         self._lanes = lanes_of(scalar)
@@ -107,8 +108,7 @@ class CompiledBlocks:
             fits = out.dtype == self.dtype and out.flags.behaved and out.shape == (samples, outputs)
             if not fits or any(np.may_share_memory(out, given) for given in arrays):
                 target = np.empty((outputs, samples), self.dtype).T
-        homes = self._not_zero if out is None else self.homes
-        flagged = self._many(arrays, samples, target, homes, cores(threads))
+        flagged = self._many(arrays, samples, target, self._written[out is None], cores(threads))
         if len(flagged):
             chosen = {name: given[flagged] for name, given in zip(self.sources, arrays, strict=True)}
             target[flagged] = self._fallback(chosen, len(flagged))
@@ -148,7 +148,7 @@ class CompiledBlocks:
         return inputs, memory[first_row[""] :, :samples].T, places, (table, flags)
 
     def _many(
-        self, given: list[Numbers], samples: int, out: Numbers, homes: NDArray[np.int64], threads: int
+        self, given: list[Numbers], samples: int, out: Numbers, homes: array[int], threads: int
     ) -> NDArray[np.int64]:
         """Write the results of all samples, piece by piece in some threads; return the samples that are flagged."""
         few = len(self.program.distinct.outputs) <= MOST_STREAMS
@@ -162,11 +162,9 @@ class CompiledBlocks:
         pitch = block * self.dtype.itemsize + 8 * LINE  # no power of two, or columns would share sets of the cache
         room = table + self.rows * pitch
         rooms = np.empty(threads * room + 8 * LINE, np.uint8)
-        aligned = _address(rooms) + -_address(rooms) % (8 * LINE)
-        flags, told = (
-            array("B", bytes(-(-samples // block) * block // min(8, self._lanes))),
-            array("q", chain.from_iterable(fields)),
-        )
+        start = _address(rooms)
+        aligned, told = start + -start % (8 * LINE), array("q", chain.from_iterable(fields))
+        flags = array("B", bytes(-(-samples // block) * block // min(8, self._lanes)))
         places = self.kernel.address, _place(told), aligned, _place(flags)
         job = array("q", (*places, len(fields), room, table, pitch, block))
         flagged, waiting = [], iter(range(0, samples, each))
@@ -203,12 +201,12 @@ def lanes_of(scalar: str) -> int:
     return host().vector // BYTES[scalar]
 
 
-def _fields(given: Numbers, homes: NDArray[np.int64], few: bool = True) -> tuple[int, ...]:
+def _fields(given: Numbers, homes: array[int], few: bool = True) -> tuple[int, ...]:
     """Return what the driver is told of an array, as `robodyn.programs.run.llvm.driver.FIELDS` names it."""
     sample_stride, column_stride = given.strides
     direct = few and sample_stride == given.itemsize
     stream = given.nbytes > MOST_KEPT
-    return _address(given), _address(homes), sample_stride, column_stride, given.shape[1], direct, stream
+    return _address(given), _place(homes), sample_stride, column_stride, given.shape[1], direct, stream
 
 
 def _address(given: NDArray[Any]) -> int:

@@ -240,8 +240,9 @@ here:
 FIELDS = ("address", "homes", "sample_stride", "column_stride", "columns", "direct", "stream")
 """What the driver is told of an array, in 64 bits each.
 
-`homes`: of each column the place among the kernel's, -1 of one that is not touched; strides in bytes; `direct`: 1 where the kernel may work on
-contiguous columns themselves; `stream`: 1 where results are copied to contiguous columns past the caches.
+`homes`: of each column the place among the kernel's, -1 of one that is not touched; strides in bytes; `direct`: 1 where
+the kernel may work on contiguous columns themselves; `stream`: 1 where results are copied to contiguous columns past
+the caches.
 """
 POINTERS = ("kernel", "arrays", "rooms", "flags", "address", "homes")
 JOB = ("kernel", "arrays", "rooms", "flags", "count", "room_bytes", "table_bytes", "pitch", "size")

@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import ctypes
 import struct
-from dataclasses import dataclass, field
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from itertools import count
 from typing import NamedTuple
 
 SUFFIXES = {"double": "f64", "float": "f32"}
@@ -27,6 +29,7 @@ class Code:
     pooled: bool = False
     lines: list[str] = field(default_factory=list)
     declared: set[str] = field(default_factory=set)
+    numbers: Iterator[int] = field(default_factory=count)
 
     @property
     def vector(self) -> str:
@@ -41,7 +44,7 @@ class Code:
         return f"<{self.lanes} x i1>"
 
     def new(self, instruction: str) -> str:
-        name = f"%v{len(self.lines)}"
+        name = f"%v{next(self.numbers)}"
         self.lines.append(f"  {name} = {instruction}")
         return name
 
@@ -110,7 +113,7 @@ class Code:
         return self.new(f"{instruction} {self.vector} {a} to {to.vector}")
 
     def doubles(self) -> Code:
-        return Code("double", self.lanes, self.pooled, self.lines, self.declared)
+        return replace(self, scalar="double")
 
 
 def _hex(*texts: str) -> tuple[float, ...]:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import sys
 from bisect import bisect
 from collections import defaultdict
 from collections.abc import Callable, Mapping
-from itertools import count
+from dataclasses import replace
+from itertools import count, islice, zip_longest
 
 import numpy as np
 
@@ -157,7 +159,7 @@ class Writer:
             if op is SIN or op is COS:
                 self.turns[a].append(k)
 
-    def write(self, first: int = 0, until: int | None = None) -> None:
+    def write(self, first: int = 0, until: int = sys.maxsize) -> None:
         """Write the operations at these positions; sine and cosine of an angle together, where the first stands."""
         for k, (op, a, _) in enumerate(self.program.operations[first:until], first):
             if op is INPUT or op is CONSTANT:
@@ -165,9 +167,7 @@ class Writer:
                     self._form(k, self._operand(k))
             elif k not in self.formed and k not in self.products:
                 if op is SIN or op is COS:
-                    both = self._angle(a)
-                    for each in self.turns[a]:
-                        self._form(each, both[self.program.operations[each][0] is COS])
+                    self._turn(a, until)
                 else:
                     self._form(k, self._value(k))
                 self._divide()
@@ -241,12 +241,27 @@ class Writer:
             return code.fma(x, y, z if op is ADD else code.neg(z))
         return code.fma(x if op is ADD else code.neg(x), y, self._operand(a))
 
-    def _angle(self, argument: int) -> tuple[str, str]:
-        angle, wide = reduced(self.code, self._operand(argument)), self.code.doubles()
-        square = angle.quarters, angle.quarters
-        self.values[TOTAL] = wide.fma(*square, self._operand(TOTAL)) if self.angles else wide.two("fmul", *square)
-        self.angles += 1
-        return sine_and_cosine(self.code, angle)
+    def _turn(self, argument: int, until: int) -> None:
+        """Form sine and cosine of an angle, and of the next one before `until` whose value is there: while instructions
+        of one wait for each other, those of the other are executed."""
+        operations, code, texts, found = self.program.operations, self.code, [], {}
+        waiting = (x for x, (k, *_) in self.turns.items() if k < until and k not in self.formed and x != argument)
+        ready = (x for x in waiting if x in self.values or operations[x][0] is INPUT)
+        for x in (argument, *islice(ready, 1)):
+            angle = self._operand(x)
+            self.code = replace(code, lines=[])
+            turn = reduced(self.code, angle)
+            found[x] = turn.quarters, sine_and_cosine(self.code, turn)
+            texts.append(self.code.lines)
+            self.code = code
+        code.lines += [line for both in zip_longest(*texts) for line in both if line]
+        wide = code.doubles()
+        for x, (quarters, both) in found.items():
+            square = quarters, quarters
+            self.values[TOTAL] = wide.fma(*square, self._operand(TOTAL)) if self.angles else wide.two("fmul", *square)
+            self.angles += 1
+            for k in self.turns[x]:
+                self._form(k, both[operations[k][0] is COS])
 
     def too_large(self) -> str:
         """A bit per sample: the sum of the squares of all quarter turns exceeds that of the largest, or is NaN."""
@@ -272,17 +287,17 @@ class _Parts(Writer):
             self.starts, places, self.count = [0], {}, 1
         self.places = {k: wide + self.size * place for k, place in places.items()} | {TOTAL: 0}
 
-    def write(self, first: int = 0, until: int | None = None) -> None:
-        lines, ends = self.code.lines, [*self.starts[1:], None]
+    def write(self, first: int = 0, until: int = sys.maxsize) -> None:
+        lines, ends = self.code.lines, [*self.starts[1:], until]
         for p, (start, end) in enumerate(zip(self.starts, ends, strict=True)):
             self.values, self.offset, self.base = {}, f"%offset{p}", f"%base{p}"
             lines.append(LOOP.format(p=p, before=f"end{p - 1}" if p else "loop", lanes=self.code.lanes))
             super().write(start, end)
-            if end is None:
+            if end == until:
                 self._flag(p)
             elif TOTAL in self.values:
                 self._keep(TOTAL, self.code.doubles())
-            lines.append(END.format(p=p, then="end" if end is None else f"loop{p + 1}", bytes=self.group))
+            lines.append(END.format(p=p, then="end" if end == until else f"loop{p + 1}", bytes=self.group))
 
     def _form(self, k: int, value: str) -> None:
         super()._form(k, value)

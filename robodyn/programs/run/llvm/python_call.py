@@ -72,7 +72,7 @@ class _Sample(Writer):
         self.results: list[tuple[str, int]] = []
         self.arrays = {source: f"%source{k}" for k, source in enumerate(widths)}
 
-    def write(self, first: int = 0, until: int | None = None) -> None:
+    def write(self, first: int = 0, until: int = sys.maxsize) -> None:
         super().write(first, until)
         if self.angles:
             self.code.lines.append(f"  br i1 {self.too_large()}, label %refused, label %fine\nfine:")
