@@ -17,7 +17,6 @@ from time import process_time
 from typing import Any, NamedTuple
 
 import numpy as np
-
 from benchmarks.limit import limit
 
 import robodyn

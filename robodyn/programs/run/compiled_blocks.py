@@ -72,8 +72,8 @@ class CompiledBlocks:
         self._in_order = array("q", range(max(self.widths.values(), default=0)))
         self.kernel = built("kernel", content_of(program, widths, dtype), lambda: kernel_of(program, widths, dtype))
         scalar = SCALARS[self.dtype.name]
-        self._lanes = lanes_of(scalar)
-        self.share = _driver(scalar, self._lanes)
+        self.lanes = lanes_of(scalar)
+        self.share = _driver(scalar, self.lanes)
         self._few_kernel = _KERNEL(self.kernel.address)
         self._rooms: defaultdict[int, list[Any]] = defaultdict(list)  # by the number of samples
 
@@ -141,7 +141,7 @@ class CompiledBlocks:
         """Return views of rows for all inputs and outputs of few samples, and what the kernel is told of these."""
         memory, flags = np.zeros((self.rows, FEW), self.dtype), np.zeros(FEW, np.uint8)
         table = memory.ctypes.data + memory.strides[0] * np.repeat(np.arange(self.rows), 2)  # no memory ahead
-        places = c_void_p(table.ctypes.data), c_void_p(flags.ctypes.data), -(-samples // self._lanes)
+        places = c_void_p(table.ctypes.data), c_void_p(flags.ctypes.data), -(-samples // self.lanes)
         first_row = self.program.rows(self.widths)
         starts = ((source, first_row[source], self.widths[source]) for source in self.sources)
         inputs = [(source, memory[k : k + width, :samples].T, (samples, width)) for source, k, width in starts]
@@ -164,7 +164,7 @@ class CompiledBlocks:
         rooms = np.empty(threads * room + 8 * LINE, np.uint8)
         start = _address(rooms)
         aligned, told = start + -start % (8 * LINE), array("q", chain.from_iterable(fields))
-        flags = array("B", bytes(-(-samples // block) * block // min(8, self._lanes)))
+        flags = array("B", bytes(-(-samples // block) * block // min(8, self.lanes)))
         places = self.kernel.address, _place(told), aligned, _place(flags)
         job = array("q", (*places, len(fields), room, table, pitch, block))
         flagged, waiting = [], iter(range(0, samples, each))
@@ -178,8 +178,8 @@ class CompiledBlocks:
         in_pool(work, threads)
         if not flagged:
             return np.empty(0, np.int64)
-        bits = np.unpackbits(np.frombuffer(flags, np.uint8), bitorder="little").reshape(-1, max(8, self._lanes))
-        return np.asarray(np.flatnonzero(bits[:, : self._lanes].ravel()[:samples]))
+        bits = np.unpackbits(np.frombuffer(flags, np.uint8), bitorder="little").reshape(-1, max(8, self.lanes))
+        return np.asarray(np.flatnonzero(bits[:, : self.lanes].ravel()[:samples]))
 
     @cached_property
     def _fallback(self) -> NumpyBlocks:

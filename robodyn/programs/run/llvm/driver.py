@@ -69,8 +69,13 @@ loop:
   %begun = icmp sge i64 %i, 0
   %inside = icmp sle i64 %next, %count
   %whole = and i1 %begun, %inside
-  %past_caches = and i1 %whole, %streaming
-  br i1 %past_caches, label %stream_out, label %partly
+  %plain = and i1 %whole, %dense
+  br i1 %plain, label %plain_out, label %partly
+plain_out:
+  br i1 %streaming, label %stream_out, label %keep
+keep:
+  store {vector} %results, ptr %to, align {bytes}
+  br label %more
 stream_out:
   store {vector} %results, ptr %to, align {vector_bytes}, !nontemporal !0
   br label %more
