@@ -272,9 +272,10 @@ def _of_windows(
         gains = [np.sqrt(squares) for squares in accumulate(which[order:] ** 2)]
         for k, white in enumerate(islice(fits.scatters(order + 2, scale[fits.length], noisy_data), 3)):
             value, scatter = value + terms[k], white / unit
-            doubt = np.abs(terms[k + 1] + terms[k + 2])
-            np.maximum(doubt, np.abs(terms[k + 1]), out=doubt)
-            noisy = NOISE * (gains[k + 2] * scatter)
+            doubt = terms[k + 1] + terms[k + 2]
+            np.maximum(np.abs(doubt, out=doubt), np.abs(terms[k + 1], out=terms[k]), out=doubt)
+            noisy = gains[k + 2] * scatter
+            noisy *= NOISE
             for sample, inner in ((0, 1), (-1, -2)):
                 noisy[sample] += EDGE * np.abs(value[sample] - value[inner]) / unit
             _take(best, sources, known, fits, (value / unit, noisy, doubt / unit))
@@ -307,11 +308,12 @@ def _take(
             new = (noise[sample : sample + step] + largest).T
             at = np.flatnonzero(new < bars.reshape(count, step))
             if len(at):
-                place = (sample + at % step) * count + at // step
-                bar, own = new.ravel()[at], value.ravel()[place]
-                alike = np.abs(own - values[at]) <= bar + bars[at]
-                at = at[alike]
-                values[at], bars[at], places[at] = own[alike], bar[alike], known + place[alike]
+                place = sample * count + (at if step == 1 else at % step * count + at // step)
+                bar, own = new.ravel().take(at), value.ravel().take(place)
+                alike = np.abs(own - values.take(at)) <= bar + bars.take(at)
+                if not alike.all():
+                    at, own, bar, place = (each[alike] for each in (at, own, bar, place))
+                values[at], bars[at], places[at] = own, bar, known + place
 
 
 def _weighed(best: _Best, slope: Floats, rate: Rate) -> tuple[Floats, Rate]:
