@@ -263,7 +263,7 @@ PIECES = {
         ("own.get(k, 0.0) - row[k] * share", "own.get(k, 0.0) + row[k] * share"),
     ],
     ("measure/accuracy/test_bars_of_motions.py", "trajectory/derivatives/derive.py"): [
-        ("cut[2] + largest", "0.2 * cut[2]"),
+        ("noise[sample : sample + step] + largest", "0.2 * noise[sample : sample + step]"),
         ("times * noise + WIDER * change", "times * noise"),
     ],
     ("loads/test_largest_torque.py", "trajectory/derivatives/derive.py"): [

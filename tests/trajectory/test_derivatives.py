@@ -11,6 +11,8 @@ from scipy.spatial.transform import Rotation
 
 from robodyn.errors import TrajectoryError
 from robodyn.trajectory.columns.signals import Signal, Signals
+from robodyn.trajectory.derivatives import derive
+from robodyn.trajectory.derivatives.derivative_selection import select
 from robodyn.trajectory.derivatives.differentiate import SPLINE, differentiate, equal_spacing, savgol
 from robodyn.trajectory.formats.table import ArrayTable
 from robodyn.trajectory.motion import Trajectory
@@ -215,3 +217,20 @@ def test_zero_quaternion() -> None:
     Q[5] = 0.0
     with pytest.raises(TrajectoryError, match="row 6: the quaternion of 'base' is zero"):
         read(columns(np.arange(9.0), Q))
+
+
+@pytest.mark.parametrize("digits", [9, 4])
+@pytest.mark.parametrize("jitter", [0.0, 0.3])
+def test_blocks_do_not_change_a_bit(digits: int, jitter: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of motions that rest, where few samples need windows, and of noisy ones."""
+    rng = np.random.default_rng(1)
+    time = 1e-2 * (np.arange(700) + jitter * rng.uniform(-1, 1, 700))
+    values = np.round(np.sin(np.minimum(time, 4.0))[:, None], digits)
+    found = []
+    for rows in (1 << 14, 128):
+        monkeypatch.setattr(derive, "_ROWS", rows)
+        monkeypatch.setattr(derive, "_REACHES", 1)
+        with np.errstate(all="ignore"):
+            selection = select([(time, values, values)], 2, "auto")
+            found.append(np.array(derive.estimated(time, values, None, selection, 5)))
+    np.testing.assert_array_equal(*found)

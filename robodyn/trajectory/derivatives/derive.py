@@ -9,12 +9,14 @@ one after it disagree, as at jumps, the bar covers both.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import accumulate, islice
 from typing import NamedTuple
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
 
 from robodyn.errors import TrajectoryError
 from robodyn.support.floats import Floats, median
@@ -140,6 +142,8 @@ INNER, END, WIDER = 3.0, 8.0, 3.0
 counts what a wider window changes."""
 CORNER = 1e-3  # of the rms of a derivative: where the spline may be off by more, there may be a corner
 FEWEST = 6  # samples of which half are enough for a second derivative
+_ROWS, _REACHES = 8192, 4
+"""Rows, and lengths of the longest window, that are looked at together: their arrays stay in the processor's cache."""
 NOISY = 128  # rows of a table below which what looks like noise may as well be the motion
 CLEAR = 3.0  # doubt over noise, up to which a window is not suspected to have a jump in it
 ALIKE = 8.0  # ratio of two bars, up to which neither of two windows that disagree is taken for the better one
@@ -203,18 +207,20 @@ def _best(time: Floats, values: Floats, turns: Floats | None, selection: Selecti
     if selection.noisy:
         wanted[:] = True
     spacing, scale = equal_spacing(time), dict(zip((n * part for n, part in SIZES), selection.scale, strict=False))
-    unit = spacing or 1.0
-    for k in np.flatnonzero(wanted.any(axis=0)):
-        turned = None if turns is None else turns[:, k]
-        best = _Best(*(np.full((3, len(time)), start) for start in (0.0, np.inf, np.inf, 0.0, np.inf)))
-        for fits in all_windows(None if spacing else time, values[:, k], turned, first, len(selection.scale)):
-            for degree in range(order, min(order + 3, len(fits.basis.on) - 2)):
-                _improve(best, fits, degree, order, scale[fits.length], selection.noisy)
-        rows, parts = wanted[:, k], (spline[0].value[:, k], *(part[:, k] for part in spline[order - 1]))
+    unit, reach = spacing or 1.0, max(scale)
+    blocks = np.array_split(np.arange(len(time)), -(-len(time) // max(_ROWS, _REACHES * reach)))
+    for k, block in ((k, block) for k in range(values.shape[1]) for block in blocks if wanted[block, k].any()):
+        near = slice(max(0, block[0] - reach), min(len(time), block[-1] + 1 + reach))
+        turned, ends = None if turns is None else turns[near, k], (near.start == 0, near.stop == len(time))
+        stamps = None if spacing else time[near]
+        windows = all_windows(stamps, values[near, k], turned, first + near.start, len(scale), ends)
+        best = _of_windows(windows, wanted[near, k], order, scale, selection.noisy)
+        rows, parts = wanted[block, k], [x[block, k] for x in (spline[0].value, *spline[order - 1])]
         units = unit, *[unit**order] * 3
-        own, found = _weighed(best, parts[0] * unit, Rate(*(part * unit**order for part in parts[1:])))
-        for whole, part, each in zip(parts, (own, *found), units, strict=True):
-            whole[rows] = part[rows] / each
+        own = _Best(*(each[:, block - near.start] for each in best))
+        slope, found = _weighed(own, parts[0] * unit, Rate(*(part * unit**order for part in parts[1:])))
+        for whole, part, each in zip((spline[0].value, *spline[order - 1]), (slope, *found), units, strict=True):
+            whole[block[rows], k] = part[rows] / each
     if len(time) < NOISY:
         for found, least in zip(spline, changes, strict=True):
             np.maximum(found.off, least, out=found.off)
@@ -249,47 +255,65 @@ class _Best(NamedTuple):
     noisy: Floats
 
 
-def _improve(best: _Best, fits: Windows, degree: int, order: int, sigma: float, noisy_data: bool) -> None:
-    """Take what fits of a degree tell of the samples that they know better than those before."""
-    basis, shape = fits.basis, (fits.length, len(fits.starts))
-    which = basis.curve if order == 2 else basis.slope
-    unit = fits.half**order
-    terms = [fits.coefficients[k] * which[k] for k in range(order, degree + 3)]
-    value = sum(terms[:-2]) + np.zeros(shape)
-    doubt = np.maximum(np.abs(terms[-2]), np.abs(terms[-2] + terms[-1])) / unit
-    scale = fits.scatter(degree + 2, sigma, noisy_data) / unit
-    edge = np.zeros(shape)
-    for sample, inner in ((0, 1), (-1, -2)):
-        edge[sample] = EDGE * np.abs(value[sample] - value[inner]) / unit
-    slope = sum(fits.coefficients[k] * basis.slope[k] for k in range(1, degree + 1)) / fits.half
-    gains = (np.sqrt((which[order : top + 1] ** 2).sum(axis=0)) for top in (degree, degree + 2))
-    own, noisy = (np.broadcast_to(gain * scale, shape) for gain in gains)
-    third = fits.parts // 3
-    for kind, parts in enumerate(((0, third), (third, fits.parts - third), (fits.parts - third, fits.parts))):
-        _take(best, kind, fits, parts, (value / unit, own, NOISE * noisy + edge, slope, NOISE * noisy), doubt)
+def _of_windows(
+    windows: Iterable[Windows], wanted: NDArray[np.bool_], order: int, scale: Mapping[int, float], noisy_data: bool
+) -> _Best:
+    """What the windows tell of the wanted samples, each time the one that knows more than those before. Of those found
+    before the last, only values and bars are computed."""
+    shape = 3, len(wanted)
+    best = _Best(*(np.full(shape, start) for start in (0.0, np.inf, np.inf, 0.0, np.inf)))
+    best.bar[:, ~wanted] = -np.inf
+    sources, known = np.full(shape, -1), 0  # numbers of the samples of windows, each fit's after those before
+    found: list[tuple[int, Windows, int, Floats, Floats, Floats]] = []
+    for fits in windows:
+        which = fits.basis.curve if order == 2 else fits.basis.slope
+        unit, value = fits.half**order, np.zeros(1)
+        terms = [fitted * part for fitted, part in zip(fits.coefficients[order:], which[order:], strict=True)]
+        gains = [np.sqrt(squares) for squares in accumulate(which[order:] ** 2)]
+        for k, white in enumerate(islice(fits.scatters(order + 2, scale[fits.length], noisy_data), 3)):
+            value, scatter = value + terms[k], white / unit
+            doubt = terms[k + 1] + terms[k + 2]
+            np.maximum(np.abs(doubt, out=doubt), np.abs(terms[k + 1], out=terms[k]), out=doubt)
+            noisy = gains[k + 2] * scatter
+            noisy *= NOISE
+            for sample, inner in ((0, 1), (-1, -2)):
+                noisy[sample] += EDGE * np.abs(value[sample] - value[inner]) / unit
+            _take(best, sources, known, fits, (value / unit, noisy, doubt / unit))
+            found.append((known, fits, order + k, gains[k], gains[k + 2], scatter))
+            known += value.size
+    for first, fits, degree, gain, more, scatter in reversed(found):
+        at = np.nonzero(sources >= first)
+        place, window = divmod(sources[at] - first, len(scatter))
+        sources[at] = -1
+        own = window * (gain.shape[1] > 1)
+        best.noise[at], best.noisy[at] = (part[place, own] * scatter[window] for part in (gain, more))
+        slope = sum(fits.coefficients[k, window] * fits.basis.slope[k, place, own] for k in range(1, degree + 1))
+        best.slope[at] = slope / np.broadcast_to(fits.half, scatter.shape)[window]
+    np.multiply(best.noisy, NOISE, out=best.noisy)
+    return best
 
 
 def _take(
-    best: _Best, kind: int, fits: Windows, parts: tuple[int, int], found: tuple[Floats, ...], doubt: Floats
+    best: _Best, sources: NDArray[np.intp], known: int, fits: Windows, found: tuple[Floats, Floats, Floats]
 ) -> None:
-    """Take in a third of every window: the bar is that of noise and the largest doubt in the third."""
-    part, count = fits.length // fits.parts, len(fits.starts)
-    own = slice(parts[0] * part, parts[1] * part)
-    largest = doubt[own].max(axis=0)
-    if count == 1:
-        stretches = [(own, slice(fits.starts[0] + own.start, fits.starts[0] + own.stop))]
-    else:
-        begins = [k * part for k in range(*parts)]
-        at = [int(fits.starts[0]) + begin for begin in begins]
-        stretches = [(slice(k, k + part), slice(row, row + part * count)) for k, row in zip(begins, at, strict=True)]
-    for samples, rows in stretches:
-        cut = [each[samples] for each in found]
-        cut[2] = cut[2] + largest
-        flat = [each.T.ravel() for each in cut]
-        old = best.bar[kind, rows]
-        better = (flat[2] < old) & (np.abs(flat[0] - best.value[kind, rows]) <= flat[2] + old)
-        for whole, new in zip(best, flat, strict=True):
-            np.copyto(whole[kind, rows], new, where=better)
+    """Take in the thirds of every window: the bar is that of noise and the largest doubt in the third."""
+    (value, noise, doubt), part, count = found, fits.length // fits.parts, len(fits.starts)
+    third = fits.parts // 3
+    for kind, (start, stop) in enumerate(((0, third), (third, fits.parts - third), (fits.parts - third, fits.parts))):
+        largest = doubt[start * part : stop * part].max(axis=0)
+        step = part if count > 1 else (stop - start) * part
+        for sample in range(start * part, stop * part, step):
+            row = int(fits.starts[0]) + sample
+            values, bars, places = (each[kind, row : row + step * count] for each in (best.value, best.bar, sources))
+            new = (noise[sample : sample + step] + largest).T
+            at = np.flatnonzero(new < bars.reshape(count, step))
+            if len(at):
+                place = sample * count + (at if step == 1 else at % step * count + at // step)
+                bar, own = new.ravel().take(at), value.ravel().take(place)
+                alike = np.abs(own - values.take(at)) <= bar + bars.take(at)
+                if not alike.all():
+                    at, own, bar, place = (each[alike] for each in (at, own, bar, place))
+                values[at], bars[at], places[at] = own, bar, known + place
 
 
 def _weighed(best: _Best, slope: Floats, rate: Rate) -> tuple[Floats, Rate]:

@@ -13,6 +13,7 @@ from functools import lru_cache
 from typing import Literal, NamedTuple
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from robodyn.support.floats import Floats, einsum
@@ -113,32 +114,35 @@ class Windows:
     def length(self) -> int:
         return int(self.basis.on.shape[1])
 
-    def scatter(self, degree: int, sigma: float, noisy: bool) -> Floats:
-        """(w,) what white noise would have to be to explain what a fit of a degree leaves, sigma or more: by sums over
-        parts, since what a fit misses keeps its sign as correlated noise does. Where noisy data leave what is smooth
-        and much larger than noise, the fit misses a vibration: infinity."""
+    def scatters(self, lowest: int, sigma: float, noisy: bool) -> Iterator[Floats]:
+        """(w,) what white noise would have to be to explain what a fit leaves, sigma or more, of fits from the lowest
+        degree on: by sums over parts, since what a fit misses keeps its sign as correlated noise does. Where noisy data
+        leave what is smooth and much larger than noise, the fit misses a vibration: infinity."""
         rest = self.values.copy()
-        for on, coefficients in zip(self.basis.on[: degree + 1], self.coefficients, strict=False):
-            rest -= on * coefficients
         parts = min(self.parts, 15)
         part = self.length // parts
-        sums = rest[: parts * part].reshape(parts, part, -1).sum(axis=1)
-        found = np.sqrt((sums**2).sum(axis=0) / (part * max(1, parts - degree - 1)))
-        found = np.maximum(found, sigma)
-        if noisy:
-            left, rough = ((each**2).mean(axis=0) for each in (rest, np.diff(rest, axis=0)))
-            found[(left > (LOUD * sigma) ** 2) & (rough < SMOOTH * left)] = np.inf
-        return np.asarray(found)
+        for degree, (on, coefficients) in enumerate(zip(self.basis.on, self.coefficients, strict=True)):
+            rest -= on * coefficients
+            if degree < lowest:
+                continue
+            sums = rest[: parts * part].reshape(parts, part, -1).sum(axis=1) if part > 1 else rest[:parts]
+            found = np.sqrt((sums**2).sum(axis=0) / (part * max(1, parts - degree - 1)))
+            found = np.maximum(found, sigma)
+            if noisy:
+                left, rough = ((each**2).mean(axis=0) for each in (rest, np.diff(rest, axis=0)))
+                found[(left > (LOUD * sigma) ** 2) & (rough < SMOOTH * left)] = np.inf
+            yield found
 
 
 def windows(time: Floats | None, values: Floats, turns: Floats | None, size: tuple[int, int], first: int) -> Windows:
     """The windows of one of `SIZES` that begin where parts of the table do, in which samples begin at row `first`."""
-    parts, part = size
-    return _fitted(time, values, turns, np.arange(-first % part, len(values) + 1 - parts * part, part), size)
+    return _fitted(time, values, turns, slice(-first % size[1], None, size[1]), size)
 
 
-def all_windows(time: Floats | None, values: Floats, turns: Floats | None, first: int, sizes: int) -> Iterator[Windows]:
-    """Those of the first of `SIZES`, and those which begin or end with the samples; see `windows`."""
+def all_windows(
+    time: Floats | None, values: Floats, turns: Floats | None, first: int, sizes: int, ends: tuple[bool, bool]
+) -> Iterator[Windows]:
+    """Those of the first of `SIZES`, and those which begin or end with the samples where that is asked for."""
     for parts, part in SIZES[:sizes]:
         length, last = parts * part, len(values) - parts * part
         if last < 0:
@@ -147,29 +151,34 @@ def all_windows(time: Floats | None, values: Floats, turns: Floats | None, first
         if len(found.starts):
             yield found
         for end in {0, last} - {*found.starts[:1].tolist(), *found.starts[-1:].tolist()}:
-            yield _fitted(time, values, turns, np.array([end]), (length, 1))
+            if ends[end > 0]:
+                yield _fitted(time, values, turns, slice(end, end + 1), (length, 1))
 
 
-def _fitted(
-    time: Floats | None, values: Floats, turns: Floats | None, starts: NDArray[np.intp], size: tuple[int, int]
-) -> Windows:
+def _fitted(time: Floats | None, values: Floats, turns: Floats | None, chosen: slice, size: tuple[int, int]) -> Windows:
     length = size[0] * size[1]
-    rows = starts + np.arange(length)[:, None]
-    y = values[rows] - values[starts]
+    y = _cut(values, length, chosen)
+    y -= y[0].copy()
     if turns is not None:
-        y -= 2.0 * math.pi * (turns[rows] - turns[starts])
+        turned = _cut(turns, length, chosen)
+        y -= 2.0 * math.pi * (turned - turned[0])
     y -= y.mean(axis=0)
     degree = min(DEGREE, length - 2)
     half: Floats | float
     if time is None:
         half, basis = 0.5 * (length - 1), _even(length, degree)
     else:
-        t = time[rows]
+        t = _cut(time, length, chosen)
         half = 0.5 * (t[-1] - t[0])
         u = (t - 0.5 * (t[-1] + t[0])) / half
         basis = orthonormal(u, u, degree)
     coefficients = np.stack([_inner(np.broadcast_to(on, y.shape), y) for on in basis.on])
-    return Windows(starts, size[0], basis, coefficients, y, half)
+    return Windows(np.arange(len(values) + 1 - length)[chosen], size[0], basis, coefficients, y, half)
+
+
+def _cut(values: Floats, length: int, chosen: slice) -> Floats:
+    """(length, w) a copy in which windows are neighbours, as sums depend on that in their last bits."""
+    return np.array(sliding_window_view(values, length)[chosen].T, order="C")
 
 
 @lru_cache(maxsize=64)

@@ -41,6 +41,8 @@ _HARMLESS = ("KHR_materials_", "KHR_texture_", "KHR_lights_", "EXT_texture_", "M
 _FLOAT32 = ("dae", "glb", "gltf")
 """Kinds whose coordinates are float32, in the file or in their reader."""
 
+_OF_INDICES = frozenset("0123456789 \t\r\n")
+
 _Part = tuple[Corners, Indices]
 
 
@@ -57,6 +59,8 @@ def _dae(source: Source, stream: BinaryIO) -> Asset:
     """Return what a COLLADA says, and the document without its looks. Refuses positions that are not finite and
     negative indices, which pycollada would read as 0 and from the end."""
     root = ElementTree.parse(stream).getroot()
+    for polygons in root.iterfind(".//{*}polygons"):
+        _join(polygons)
     asset = root.find("{*}asset")
     unit = None if asset is None else asset.find("{*}unit")
     metres = None
@@ -91,6 +95,25 @@ def _dae(source: Source, stream: BinaryIO) -> Asset:
                 parent.remove(child)
     notes = (f"the axis {up[0]} points up in the file; its axes are kept",) if up in ("X_UP", "Y_UP") else ()
     return Asset(metres, notes, ElementTree.tostring(root, "utf-8"))
+
+
+def _join(polygons: Element) -> None:
+    """Make one list of indices of many, as pycollada reads each by itself: of whole corners, without holes."""
+    inputs, lists = polygons.findall("{*}input"), polygons.findall("{*}p")
+    offsets = [each.get("offset", "") for each in inputs]
+    texts = [each.text or "" for each in lists]
+    counts = [len(text.split()) for text in texts]
+    plain = inputs and lists and len(inputs) + len(lists) == len(polygons) and all(map(str.isdecimal, offsets))
+    if not plain or not all(counts) or not set().union(*texts) <= _OF_INDICES:
+        return
+    width = 1 + max(map(int, offsets))
+    if any(count % width for count in counts):
+        return
+    space = polygons.tag.removesuffix("polygons")
+    polygons[:] = inputs
+    polygons.tag = f"{space}polylist"
+    ElementTree.SubElement(polygons, f"{space}vcount").text = " ".join(str(count // width) for count in counts)
+    ElementTree.SubElement(polygons, f"{space}p").text = " ".join(texts)
 
 
 def _tag(element: Element) -> str:

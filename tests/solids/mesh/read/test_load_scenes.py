@@ -13,6 +13,7 @@ from helpers.mesh_files import dae, glb, rows, three_mf
 from helpers.mesh_samples import box, uv_sphere
 
 from robodyn.errors import MeshError
+from robodyn.solids.mesh.read import scenes
 from robodyn.solids.mesh.read.load import load_triangles
 
 BALL = uv_sphere(rings=8, sectors=12).astype(np.float32)
@@ -68,6 +69,25 @@ def test_nothing_is_merged():
     small = box() * 1e-9
     np.testing.assert_array_equal(rows(load_triangles(three_mf(small), file_type="3mf").array()), rows(small))
     np.testing.assert_array_equal(rows(load_triangles(dae(small)).array()), rows(small.astype(np.float32)))
+
+
+@pytest.mark.parametrize("damage", [b"", b"x", b"-1", b"<ph/>"])
+def test_polygons_one_by_one_are_the_triangles_they_make(damage, monkeypatch):
+    """Lists of whole corners are read as one; others each by itself, so that errors say what they did."""
+    before, _, rest = dae(BALL).partition(b"<triangles")
+    words = rest.partition(b"<p>")[2].partition(b"</p>")[0].split()
+    lists = [b"<p>" + b" ".join(words[k : k + 3]) + b"</p>" for k in range(0, len(words), 3)]
+    head = b'<polygons count="%d"><input semantic="VERTEX" source="#v" offset="0"/>' % len(lists)
+    lists[1] = lists[1].replace(b"</p>", b"</p>" + damage if b"<" in damage else b" " + damage + b"</p>")
+    data = before + head + b"".join(lists) + b"</polygons>" + rest.partition(b"</triangles>")[2]
+    joined, loaded = [], scenes._loaded
+    monkeypatch.setattr(scenes, "_loaded", lambda *given: joined.append(b"polylist" in given[2]) or loaded(*given))
+    if damage in (b"", b"<ph/>"):
+        np.testing.assert_array_equal(rows(load_triangles(data, file_type="dae").array()), rows(BALL))
+        assert joined == [not damage]
+    else:
+        with pytest.raises(MeshError, match="polygons index" if damage == b"x" else "an index is negative"):
+            load_triangles(data, file_type="dae")
 
 
 def test_instances_are_taken_together():
