@@ -57,7 +57,7 @@ ONE: dict[str, Callable[[Code, str], str]] = {
 }
 
 BLOCK = 500
-"""Instructions in a basic block: LLVM's time grows faster than a block's length, and the code is no better for it."""
+"""Instructions in a basic block: in longer ones LLVM's time and the values that it puts by grow faster than length."""
 PART = 2400
 """Operations in a part of a program at most: a processor keeps so many decoded, and others it decodes ever anew."""
 GROUPS = 32
@@ -183,7 +183,7 @@ class Writer:
         self.code.do(f"store {self.code.vector} {value}, ptr {address}, align {BYTES[self.code.scalar]}")
 
     def _divide(self) -> None:
-        """Begins a basic block where the last one is long enough."""
+        """Begin a basic block where the last one is long enough."""
         lines = self.code.lines
         if len(lines) > BLOCK * (self.blocks + 1):
             self.blocks += 1
