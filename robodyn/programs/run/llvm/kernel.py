@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from bisect import bisect
 from collections import defaultdict
-from collections.abc import Callable, Mapping
-from dataclasses import replace
-from itertools import count, islice, zip_longest
+from collections.abc import Callable, Mapping, Sequence
+from heapq import heappop, heappush
+from itertools import count
 
 import numpy as np
 
@@ -58,6 +59,11 @@ ONE: dict[str, Callable[[Code, str], str]] = {
 
 BLOCK = 500
 """Instructions in a basic block: in longer ones LLVM's time and the values that it puts by grow faster than length."""
+WINDOW = 48
+"""Lines: with more, the more values wait in registers."""
+LATENCY = dict.fromkeys(("call", "fmul", "fadd", "fsub"), 4) | {"fdiv": 13, "select": 2, "xor": 1, "shl": 1, "and": 1}
+"""Cycles until the result of an instruction is there; others cost no more than what takes them in."""
+REGISTER = re.compile(r"%v\d+")
 PART = 2400
 """Operations in a part of a program at most: a processor keeps so many decoded, and others it decodes ever anew."""
 GROUPS = 32
@@ -149,7 +155,7 @@ class Writer:
         self.program, self.first_row, self.code, self.fused, self.calls = program, first_row, code, fused, calls
         self.products, self.formed = set(fused.values()), set[int]()
         self.values: dict[int, str] = {}
-        self.angles = self.blocks = 0
+        self.angles = self.blocks = self.begin = 0
         self.offset = ""
         self.homes: dict[int, list[int]] = defaultdict(list)
         for place, position in enumerate(program.outputs):
@@ -167,7 +173,7 @@ class Writer:
                     self._form(k, self._operand(k))
             elif k not in self.formed and k not in self.products:
                 if op is SIN or op is COS:
-                    self._turn(a, until)
+                    self._turn(a)
                 else:
                     self._form(k, self._value(k))
                 self._divide()
@@ -184,10 +190,14 @@ class Writer:
 
     def _divide(self) -> None:
         """Begin a basic block where the last one is long enough."""
-        lines = self.code.lines
-        if len(lines) > BLOCK * (self.blocks + 1):
+        if len(self.code.lines) - self.begin > BLOCK:
+            self._issue()
             self.blocks += 1
-            lines.append(f"  br label %block{self.blocks}\nblock{self.blocks}:")
+            self.code.lines.append(f"  br label %block{self.blocks}\nblock{self.blocks}:")
+            self.begin = len(self.code.lines)
+
+    def _issue(self) -> None:
+        self.code.lines[self.begin :] = issued(self.code.lines[self.begin :])
 
     def _address(self, row: int, writes: int) -> str:
         """Return where a column's numbers of this group lie; those that will be wanted are called for."""
@@ -241,33 +251,62 @@ class Writer:
             return code.fma(x, y, z if op is ADD else code.neg(z))
         return code.fma(x if op is ADD else code.neg(x), y, self._operand(a))
 
-    def _turn(self, argument: int, until: int) -> None:
-        """Form sine and cosine of an angle, and of the next one before `until` whose value is there: while instructions
-        of one wait for each other, those of the other are executed."""
-        operations, code, texts, found = self.program.operations, self.code, [], {}
-        waiting = (x for x, (k, *_) in self.turns.items() if k < until and k not in self.formed and x != argument)
-        ready = (x for x in waiting if x in self.values or operations[x][0] is INPUT)
-        for x in (argument, *islice(ready, 1)):
-            angle = self._operand(x)
-            self.code = replace(code, lines=[])
-            turn = reduced(self.code, angle)
-            found[x] = turn.quarters, sine_and_cosine(self.code, turn)
-            texts.append(self.code.lines)
-            self.code = code
-        code.lines += [line for both in zip_longest(*texts) for line in both if line]
-        wide = code.doubles()
-        for x, (quarters, both) in found.items():
-            square = quarters, quarters
-            self.values[TOTAL] = wide.fma(*square, self._operand(TOTAL)) if self.angles else wide.two("fmul", *square)
-            self.angles += 1
-            for k in self.turns[x]:
-                self._form(k, both[operations[k][0] is COS])
+    def _turn(self, argument: int) -> None:
+        turn, wide = reduced(self.code, self._operand(argument)), self.code.doubles()
+        square = turn.quarters, turn.quarters
+        self.values[TOTAL] = wide.fma(*square, self._operand(TOTAL)) if self.angles else wide.two("fmul", *square)
+        self.angles += 1
+        both = sine_and_cosine(self.code, turn)
+        for k in self.turns[argument]:
+            self._form(k, both[self.program.operations[k][0] is COS])
 
     def too_large(self) -> str:
         """A bit per sample: the sum of the squares of all quarter turns exceeds that of the largest, or is NaN."""
         code, wide = self.code, self.code.doubles()
         mask = wide.compare("ugt", self._operand(TOTAL), wide.constant(LARGEST_QUARTER**2))
         return code.new(f"bitcast {code.mask} {mask} to i{code.lanes}")
+
+
+def issued(lines: Sequence[str]) -> list[str]:
+    """Return the lines of a basic block in the order in which a processor with two ports for arithmetic would begin
+    them that looks `WINDOW` lines ahead, of those that are ready the one first on which most time depends. LLVM keeps
+    about to it; a processor that looks less far ahead then waits less."""
+    place: dict[str, int] = {}
+    reads: list[list[int]] = []
+    costs: list[int] = []
+    for k, line in enumerate(lines):
+        name, _, rest = line.partition(" = ") if line.startswith("  %") else ("", "", line)
+        reads.append([place[each] for each in dict.fromkeys(REGISTER.findall(rest)) if each in place])
+        costs.append(LATENCY.get(rest.split(None, 1)[0], 0))
+        place[name.strip()] = k
+    users: list[list[int]] = [[] for _ in lines]
+    left = costs.copy()  # what depends on a line takes so long
+    for k in range(len(lines) - 1, -1, -1):
+        for x in reads[k]:
+            users[x].append(k)
+            left[x] = max(left[x], costs[x] + left[k])
+    waits = [len(each) for each in reads]
+    known, time, seen, out = [0.0] * len(lines), 0.0, 0, list[int]()
+    ready: list[tuple[int, int]] = []
+    later: list[tuple[float, int]] = []
+    while len(out) < len(lines):
+        while seen < min(len(lines), len(out) + WINDOW):
+            if not waits[seen]:
+                heappush(later, (known[seen], seen))
+            seen += 1
+        while later and (later[0][0] <= time or not ready):
+            begin, k = heappop(later)
+            time = max(time, begin)
+            heappush(ready, (-left[k], k))
+        k = heappop(ready)[1]
+        out.append(k)
+        for user in users[k]:
+            waits[user] -= 1
+            known[user] = max(known[user], time + costs[k])
+            if not waits[user] and user < seen:
+                heappush(later, (known[user], user))
+        time += 0.5 if costs[k] else 0.0
+    return [lines[k] for k in out]
 
 
 class _Parts(Writer):
@@ -292,11 +331,13 @@ class _Parts(Writer):
         for p, (start, end) in enumerate(zip(self.starts, ends, strict=True)):
             self.values, self.offset, self.base = {}, f"%offset{p}", f"%base{p}"
             lines.append(LOOP.format(p=p, before=f"end{p - 1}" if p else "loop", lanes=self.code.lanes))
+            self.begin = len(lines)
             super().write(start, end)
             if end == until:
                 self._flag(p)
             elif TOTAL in self.values:
                 self._keep(TOTAL, self.code.doubles())
+            self._issue()
             lines.append(END.format(p=p, then="end" if end == until else f"loop{p + 1}", bytes=self.group))
 
     def _form(self, k: int, value: str) -> None:
