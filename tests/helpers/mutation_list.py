@@ -177,7 +177,7 @@ PIECES = {
         ("20", "24"),
     ],
     ("programs/run/test_elementary_functions.py", "programs/run/llvm/kernel.py"): [
-        ("wide.fma(*square, self._operand(TOTAL))", "self._operand(TOTAL)")
+        ("wide.fma(*square, self._total())", "self._total()")
     ],
     ("programs/run/test_fusion.py", "programs/run/llvm/kernel.py"): [
         ("x if op is ADD else code.neg(x)", "x"),

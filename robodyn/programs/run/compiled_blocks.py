@@ -64,7 +64,7 @@ class CompiledBlocks:
         self.sources = [source for source in first_row if source]
         self.rows = first_row[""] + len(program.distinct.outputs)
         self.homes = np.array(program.homes, np.int64)
-        zeros = [c for c, k in enumerate(program.outputs) if program.operations[k] == (CONSTANT, 0.0, None)]
+        zeros = [c for c, k in enumerate(program.outputs) if repr(program.operations[k]) == repr((CONSTANT, 0.0, None))]
         self._written = array("q", program.homes), array("q", program.homes)  # to any memory, and to zeros
         for place in zeros[1:]:  # the kernel writes the first
             self._written[1][place] = -1

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from concurrent.futures import ThreadPoolExecutor
+from itertools import pairwise
 from pathlib import Path
 from threading import Event
 from time import sleep
@@ -336,3 +337,30 @@ def test_parts_of_a_program_leave_every_bit(dtype, vector, monkeypatch, tmp_path
     assert sizes[1] == sizes[2] > 8
     for each in found[1:]:
         np.testing.assert_array_equal(each, found[0])
+
+
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+@pytest.mark.parametrize("last", ["constant", "input"])
+@pytest.mark.parametrize("inputs", [3, 300])
+def test_angles_are_looked_at_whatever_stands_last(last, inputs, dtype):
+    """A constant or an input that is nothing but an output; in one part and in several."""
+
+    def outputs(*x):
+        return [*(a.sin() * b.cos() for a, b in pairwise(x[:-1])), {"constant": 7.0, "input": x[-1]}[last]]
+
+    program = program_of(outputs, inputs)
+    assert program.operations[-1][0] == last
+    blocks, plain = (each(program, {"x": inputs}, dtype) for each in (CompiledBlocks, NumpyBlocks))
+    x = np.random.default_rng(1).uniform(-3, 3, (40, inputs)).astype(dtype)
+    x[3, 0] = x[8, 1] = 1e20
+    x[11, -2] = np.inf
+    found = blocks({"x": x}, 40)
+    np.testing.assert_array_equal(bits(found[[3, 8, 11]]), bits(plain({"x": x[[3, 8, 11]]}, 3)))
+    np.testing.assert_array_equal(bits(blocks({"x": x[:9]}, 9)), bits(found[:9]))
+
+
+def test_zeros_with_a_sign():
+    constants = compiled(lambda x: [-0.0, x, 0.0, -0.0])  # a trace takes all for one constant, the first
+    few, many = (constants({"x": np.ones((samples, 1))}, samples)[0] for samples in (3, 20))
+    np.testing.assert_array_equal(bits(few), bits(many))
+    np.testing.assert_array_equal(np.signbit(many), [True, False, True, True])

@@ -229,6 +229,11 @@ class Writer:
             self.values[k] = self._input(a, b) if op is INPUT else self._kept(k)
         return self.values[k]
 
+    def _total(self) -> str:
+        if TOTAL not in self.values:
+            self.values[TOTAL] = self._kept(TOTAL)
+        return self.values[TOTAL]
+
     def _kept(self, k: int) -> str:
         raise AssertionError("all is written in one part")
 
@@ -254,7 +259,7 @@ class Writer:
     def _turn(self, argument: int) -> None:
         turn, wide = reduced(self.code, self._operand(argument)), self.code.doubles()
         square = turn.quarters, turn.quarters
-        self.values[TOTAL] = wide.fma(*square, self._operand(TOTAL)) if self.angles else wide.two("fmul", *square)
+        self.values[TOTAL] = wide.fma(*square, self._total()) if self.angles else wide.two("fmul", *square)
         self.angles += 1
         both = sine_and_cosine(self.code, turn)
         for k in self.turns[argument]:
@@ -263,7 +268,7 @@ class Writer:
     def too_large(self) -> str:
         """A bit per sample: the sum of the squares of all quarter turns exceeds that of the largest, or is NaN."""
         code, wide = self.code, self.code.doubles()
-        mask = wide.compare("ugt", self._operand(TOTAL), wide.constant(LARGEST_QUARTER**2))
+        mask = wide.compare("ugt", self._total(), wide.constant(LARGEST_QUARTER**2))
         return code.new(f"bitcast {code.mask} {mask} to i{code.lanes}")
 
 
