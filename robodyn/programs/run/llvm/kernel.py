@@ -274,15 +274,15 @@ class Writer:
 
 def issued(lines: Sequence[str]) -> list[str]:
     """Return the lines of a basic block in the order in which a processor with two ports for arithmetic would begin
-    them that looks `WINDOW` lines ahead, of those that are ready the one first on which most time depends. LLVM keeps
-    about to it; a processor that looks less far ahead then waits less."""
+    them that looks `WINDOW` lines ahead, of those that are ready the one first on which most time depends; what moves
+    numbers or addresses at once. LLVM keeps about to it; a processor that looks less far ahead then waits less."""
     place: dict[str, int] = {}
     reads: list[list[int]] = []
     costs: list[int] = []
     for k, line in enumerate(lines):
         name, _, rest = line.partition(" = ") if line.startswith("  %") else ("", "", line)
         reads.append([place[each] for each in dict.fromkeys(REGISTER.findall(rest)) if each in place])
-        costs.append(LATENCY.get(rest.split(None, 1)[0], 0))
+        costs.append(LATENCY.get(rest.split(None, 1)[0], 0) if name else 0)
         place[name.strip()] = k
     users: list[list[int]] = [[] for _ in lines]
     left = costs.copy()  # what depends on a line takes so long
@@ -302,7 +302,7 @@ def issued(lines: Sequence[str]) -> list[str]:
         while later and (later[0][0] <= time or not ready):
             begin, k = heappop(later)
             time = max(time, begin)
-            heappush(ready, (-left[k], k))
+            heappush(ready, (-left[k] if costs[k] else -sys.maxsize, k))
         k = heappop(ready)[1]
         out.append(k)
         for user in users[k]:
