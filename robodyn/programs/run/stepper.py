@@ -27,14 +27,12 @@ fill:
   %k = phi i64 [ 0, %entry ], [ %k1, %filled ]
   %away = mul i64 %k, %pitch
   %target = getelementptr i8, ptr %to, i64 %away
-  %target_place = getelementptr ptr, ptr %outputs, i64 %k
-  store ptr %target, ptr %target_place
+  store ptr %target, %outputs[%k]
   %reads = icmp slt i64 %k, %rows
   br i1 %reads, label %read, label %filled
 read:
   %source = getelementptr i8, ptr %from, i64 %away
-  %source_place = getelementptr ptr, ptr %table, i64 %k
-  store ptr %source, ptr %source_place
+  store ptr %source, %table[%k]
   br label %filled
 filled:
   %k1 = add i64 %k, 1
@@ -101,8 +99,7 @@ give:
   %j = phi i64 [ 0, %loop ], [ %j1, %give ]
   %j_at = mul i64 %j, %pitch
   %column = getelementptr i8, ptr %now, i64 %j_at
-  %place = getelementptr ptr, ptr %given, i64 %j
-  store ptr %column, ptr %place
+  store ptr %column, %given[%j]
   %j1 = add i64 %j, 1
   %yet = icmp slt i64 %j1, %extra
   br i1 %yet, label %give, label %begin

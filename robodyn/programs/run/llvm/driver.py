@@ -7,8 +7,6 @@ from collections.abc import Sequence
 from robodyn.programs.run.llvm.functions import BYTES, SUFFIXES
 
 COPIES = """\
-declare {vector} @llvm.masked.load.v{lanes}{suffix}.p0(ptr, i32, {mask}, {vector})
-declare void @llvm.masked.store.v{lanes}{suffix}.p0({vector}, ptr, i32, {mask})
 declare {vector} @llvm.masked.gather.v{lanes}{suffix}.v{lanes}p0({pointers}, i32, {mask}, {vector})
 declare void @llvm.masked.scatter.v{lanes}{suffix}.v{lanes}p0({vector}, {pointers}, i32, {mask})
 
@@ -17,27 +15,17 @@ entry:
   %one = insertelement {integers} poison, i64 %stride, i64 0
   %strides = shufflevector {integers} %one, {integers} poison, <{lanes} x i32> zeroinitializer
   %offsets = mul {integers} %strides, {numbers}
-  %dense = icmp eq i64 %stride, {bytes}
   br label %loop
 loop:
-  %i = phi i64 [ 0, %entry ], [ %next, %more ]
+  %i = phi i64 [ 0, %entry ], [ %next, %loop ]
 {valid}
   %first = mul i64 %i, %stride
   %from = getelementptr i8, ptr %far, i64 %first
   %here = getelementptr {scalar}, ptr %near, i64 %i
-  br i1 %dense, label %load, label %gather
-load:
-  %loaded = call {vector} @llvm.masked.load.v{lanes}{suffix}.p0(ptr %from, i32 {bytes}, {mask} %valid,
-    {vector} zeroinitializer)
-  store {vector} %loaded, ptr %here, align {bytes}
-  br label %more
-gather:
   %each = getelementptr i8, ptr %from, {integers} %offsets
   %gathered = call {vector} @llvm.masked.gather.v{lanes}{suffix}.v{lanes}p0({pointers} %each, i32 {bytes},
     {mask} %valid, {vector} zeroinitializer)
   store {vector} %gathered, ptr %here, align {bytes}
-  br label %more
-more:
   %next = add i64 %i, {lanes}
   %again = icmp slt i64 %next, %count
   br i1 %again, label %loop, label %done
@@ -70,7 +58,7 @@ loop:
   %inside = icmp sle i64 %next, %count
   %whole = and i1 %begun, %inside
   %plain = and i1 %whole, %dense
-  br i1 %plain, label %plain_out, label %partly
+  br i1 %plain, label %plain_out, label %scatter
 plain_out:
   br i1 %streaming, label %stream_out, label %keep
 keep:
@@ -79,13 +67,8 @@ keep:
 stream_out:
   store {vector} %results, ptr %to, align {vector_bytes}, !nontemporal !0
   br label %more
-partly:
-{valid}
-  br i1 %dense, label %store, label %scatter
-store:
-  call void @llvm.masked.store.v{lanes}{suffix}.p0({vector} %results, ptr %to, i32 {bytes}, {mask} %valid)
-  br label %more
 scatter:
+{valid}
   %each = getelementptr i8, ptr %to, {integers} %offsets
   call void @llvm.masked.scatter.v{lanes}{suffix}.v{lanes}p0({vector} %results, {pointers} %each, i32 {bytes},
     {mask} %valid)
@@ -137,12 +120,11 @@ loop:
   %down = mul i64 %place, %pitch
   %near = getelementptr i8, ptr %work, i64 %down
   %chosen = select i1 %stays, ptr %column, ptr %near
-  store ptr %chosen, ptr %entry_place
+  store ptr %chosen, %entry_place[0]
   %on = mul i64 %c, %apart
   %later = getelementptr i8, ptr %wanted, i64 %on
   %called = select i1 %past_caches, ptr %chosen, ptr %later
-  %second_place = getelementptr ptr, ptr %entry_place, i64 1
-  store ptr %called, ptr %second_place
+  store ptr %called, %entry_place[1]
   br i1 %leave, label %more, label %copy
 copy:
   call void @read(ptr %column, i64 %sample_stride, ptr %near, i64 %count)
@@ -192,7 +174,10 @@ block:
   %start = phi i64 [ %first, %entry ], [ %end, %ready ]
   %any = phi i64 [ 0, %entry ], [ %total, %ready ]
   %left = sub i64 %until, %start
-  %filled = call i64 @llvm.smin.i64(i64 %left, i64 %size)
+  %in_groups = and i64 %left, -{lanes}
+  %none = icmp eq i64 %in_groups, 0
+  %most = select i1 %none, i64 %left, i64 %in_groups
+  %filled = call i64 @llvm.smin.i64(i64 %most, i64 %size)
   br label %array
 array:
   %k = phi i64 [ 0, %block ], [ %k1, %array ]
@@ -213,7 +198,7 @@ ready:
   %some = call i64 %kernel(ptr %table, ptr %marks, i64 %groups)
   %total = or i64 %any, %some
   call void @deliver(ptr %result, i64 %row, ptr %table, i64 %start, i64 %filled)
-  %end = add i64 %start, %size
+  %end = add i64 %start, %filled
   %again = icmp slt i64 %end, %until
   br i1 %again, label %block, label %done
 done:
@@ -230,8 +215,7 @@ BLOCK = """\
 """Where the block that begins with sample `%start` lies in an array."""
 
 HOME = """\
-  %home_at = getelementptr i64, ptr %homes, i64 %c
-  %home = load i64, ptr %home_at
+  %home = load i64, %homes[%c]
   %wanted_here = icmp sge i64 %home, 0
   br i1 %wanted_here, label %here, label %more
 here:
@@ -252,7 +236,7 @@ the caches.
 POINTERS = ("kernel", "arrays", "rooms", "flags", "address", "homes")
 JOB = ("kernel", "arrays", "rooms", "flags", "count", "room_bytes", "table_bytes", "pitch", "size")
 """What a job is, in 64 bits each, in this order."""
-AHEAD = 512
+AHEAD = 256
 """Bytes from the numbers in use to those called for, where columns are read as they lie."""
 
 
@@ -261,11 +245,11 @@ def driver(scalar: str, lanes: int) -> str:
 
     Runs a kernel of `robodyn.programs.run.llvm.kernel`, at the address `kernel`, over these samples in blocks of
     `size`, a multiple of 16, as `first` is one of `size`. Of the `count` arrays (`FIELDS`), the last is the result.
-    Columns are handed to the kernel where they lie if they are contiguous and the block is a whole number of groups;
-    else they are gathered into rows of the thread's own room, `pitch` bytes apart after a table of `table_bytes`, and
-    results are scattered from there. What the kernel calls for is `AHEAD` in the same column, or for arrays that are
-    gathered a part of the next block. A result that several columns share is computed once, and copied. `scalar` is
-    "double" or "float"; a group has `lanes` samples.
+    Columns are handed to the kernel where they lie if they are contiguous and the block is a whole number of groups, as
+    all are but a last one of fewer samples than a group; else they are gathered into rows of the thread's own room,
+    `pitch` bytes apart after a table of `table_bytes`, and results are scattered from there. What the kernel calls for
+    is `AHEAD` in the same column, or for arrays that are gathered a part of the next block. A result that several
+    columns share is computed once, and copied. `scalar` is "double" or "float"; a group has `lanes` samples.
     """
     names = {
         "scalar": scalar,
@@ -288,8 +272,6 @@ def driver(scalar: str, lanes: int) -> str:
 
 
 def _loaded(struct: str, fields: Sequence[str]) -> str:
-    lines = []
-    for k, name in enumerate(fields):
-        lines.append(f"  %{name}_at = getelementptr i64, ptr %{struct}, i64 {k}")
-        lines.append(f"  %{name} = load {'ptr' if name in POINTERS else 'i64'}, ptr %{name}_at")
-    return "\n".join(lines)
+    return "\n".join(
+        f"  %{name} = load {'ptr' if name in POINTERS else 'i64'}, %{struct}[{k}]" for k, name in enumerate(fields)
+    )

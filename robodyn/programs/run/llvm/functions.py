@@ -51,8 +51,9 @@ class Code:
     def do(self, instruction: str) -> None:
         self.lines.append(f"  {instruction}")
 
-    def constant(self, value: float) -> str:
-        """Return the same number in every lane, rounded to the scalar type."""
+    def constant(self, value: float, again: bool = False) -> str:
+        """Return the same number in every lane, rounded to the scalar type; `again`: read it anew, under a name of its
+        own, where LLVM would keep it in a register from one use to the next."""
         if self.scalar == "float":
             value = ctypes.c_float(value).value
         digits = f"{struct.unpack('<Q', struct.pack('<d', value))[0]:016X}"
@@ -60,6 +61,9 @@ class Code:
             return f"splat ({self.scalar} 0x{digits})"
         name = f"@{self.scalar}{digits}"
         self.declared.add(f"{name} = private constant {self.vector} splat ({self.scalar} 0x{digits})")
+        if again:
+            name, first = f"{name}.{next(self.numbers)}", name
+            self.declared.add(f"{name} = private alias {self.vector}, ptr {first}")
         return self.new(f"load {self.vector}, ptr {name}, align {self.lanes * BYTES[self.scalar]}, !invariant.load !0")
 
     def integer(self, value: int) -> str:
@@ -86,9 +90,9 @@ class Code:
 
     def horner(self, coefficients: tuple[float, ...], x: str) -> str:
         """c0 + c1 x + c2 x^2 + ..."""
-        value = self.constant(coefficients[-1])
+        value = self.constant(coefficients[-1], again=True)
         for coefficient in coefficients[-2::-1]:
-            value = self.fma(value, x, self.constant(coefficient))
+            value = self.fma(value, x, self.constant(coefficient, again=True))
         return value
 
     def select(self, mask: str, a: str, b: str) -> str:
@@ -116,14 +120,14 @@ class Code:
         return replace(self, scalar="double")
 
 
-def _hex(*texts: str) -> tuple[float, ...]:
-    return tuple(float.fromhex(text) for text in texts)
+def _hex(text: str) -> tuple[float, ...]:
+    return tuple(map(float.fromhex, text.split()))
 
 
-HALF_PI = _hex("0x1.921fb54442d18p+0", "0x1.1a626331p-54", "0x1.1701b839a2520p-88")
+HALF_PI = _hex("0x1.921fb54442d18p+0 0x1.1a626331p-54 0x1.1701b839a2520p-88")
 """pi/2 in three parts, the second of 33 bits so that its product with 20 bits is exact."""
 TWO_BY_PI = float.fromhex("0x1.45f306dc9c883p-1")
-LOG_2 = _hex("0x1.62e42feep-1", "0x1.a39ef35793c76p-33")
+LOG_2 = _hex("0x1.62e42feep-1 0x1.a39ef35793c76p-33")
 LOG2_E = float.fromhex("0x1.71547652b82fep+0")
 ROUNDING = 1.5 * 2.0**52
 """The sum of this and a number is that number's nearest integer in its low bits."""
@@ -131,38 +135,22 @@ ROUNDING = 1.5 * 2.0**52
 # (sin x - x) / x^3 and (cos x - 1 + x^2/2) / x^4 in powers of x^2, for |x| <= pi/4.
 SINE = {
     "double": _hex(
-        "-0x1.5555555555549p-3",
-        "0x1.111111110f881p-7",
-        "-0x1.a01a019c126bbp-13",
-        "0x1.71de357873863p-19",
-        "-0x1.ae5e66d3905f9p-26",
-        "0x1.5d932ec592646p-33",
+        "-0x1.5555555555549p-3 0x1.111111110f881p-7 -0x1.a01a019c126bbp-13"
+        " 0x1.71de357873863p-19 -0x1.ae5e66d3905f9p-26 0x1.5d932ec592646p-33"
     ),
-    "float": _hex("-0x1.555545994fa3ep-3", "0x1.1107604fdfbffp-7", "-0x1.994eb2e1104b9p-13"),
+    "float": _hex("-0x1.555545994fa3ep-3 0x1.1107604fdfbffp-7 -0x1.994eb2e1104b9p-13"),
 }
 COSINE = {
     "double": _hex(
-        "0x1.555555555554cp-5",
-        "-0x1.6c16c16c15184p-10",
-        "0x1.a01a019cb2715p-16",
-        "-0x1.27e4f80a77c06p-22",
-        "0x1.1ee9ec487168cp-29",
-        "-0x1.8faecf783200bp-37",
+        "0x1.555555555554cp-5 -0x1.6c16c16c15184p-10 0x1.a01a019cb2715p-16"
+        " -0x1.27e4f80a77c06p-22 0x1.1ee9ec487168cp-29 -0x1.8faecf783200bp-37"
     ),
-    "float": _hex("0x1.55554ab44c364p-5", "-0x1.6c0c8be3a879ep-10", "0x1.9a0264b568566p-16"),
+    "float": _hex("0x1.55554ab44c364p-5 -0x1.6c0c8be3a879ep-10 0x1.9a0264b568566p-16"),
 }
 # (exp x - 1 - x) / x^2 in powers of x, for |x| <= log(2)/2.
 EXPONENTIAL = _hex(
-    "0x1.000000000000bp-1",
-    "0x1.5555555555561p-3",
-    "0x1.5555555550042p-5",
-    "0x1.111111110d626p-7",
-    "0x1.6c16c185a3634p-10",
-    "0x1.a01a01bae8f42p-13",
-    "0x1.a019969e9a720p-16",
-    "0x1.71dddfbe2f304p-19",
-    "0x1.28b03ed71fefep-22",
-    "0x1.af859ad55f9d0p-26",
+    "0x1.000000000000bp-1 0x1.5555555555561p-3 0x1.5555555550042p-5 0x1.111111110d626p-7 0x1.6c16c185a3634p-10"
+    " 0x1.a01a01bae8f42p-13 0x1.a019969e9a720p-16 0x1.71dddfbe2f304p-19 0x1.28b03ed71fefep-22 0x1.af859ad55f9d0p-26"
 )
 
 

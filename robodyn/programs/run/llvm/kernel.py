@@ -7,8 +7,8 @@ import sys
 from bisect import bisect
 from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
-from heapq import heappop, heappush
 from itertools import count
+from typing import Any
 
 import numpy as np
 
@@ -57,12 +57,10 @@ ONE: dict[str, Callable[[Code, str], str]] = {
     SIGN: sign,
 }
 
-BLOCK = 500
+BLOCK = 1000
 """Instructions in a basic block: in longer ones LLVM's time and the values that it puts by grow faster than length."""
-WINDOW = 48
-"""Lines: with more, the more values wait in registers."""
-LATENCY = dict.fromkeys(("call", "fmul", "fadd", "fsub"), 4) | {"fdiv": 13, "select": 2, "xor": 1, "shl": 1, "and": 1}
-"""Cycles until the result of an instruction is there; others cost no more than what takes them in."""
+LATENCY = 4
+"""Cycles from the begin of an arithmetic instruction to its result."""
 REGISTER = re.compile(r"%v\d+")
 PART = 2400
 """Operations in a part of a program at most: a processor keeps so many decoded, and others it decodes ever anew."""
@@ -191,13 +189,13 @@ class Writer:
     def _divide(self) -> None:
         """Begin a basic block where the last one is long enough."""
         if len(self.code.lines) - self.begin > BLOCK:
-            self._issue()
+            self._spread()
             self.blocks += 1
             self.code.lines.append(f"  br label %block{self.blocks}\nblock{self.blocks}:")
             self.begin = len(self.code.lines)
 
-    def _issue(self) -> None:
-        self.code.lines[self.begin :] = issued(self.code.lines[self.begin :])
+    def _spread(self) -> None:
+        self.code.lines[self.begin :] = spread(self.code.lines[self.begin :])
 
     def _address(self, row: int, writes: int) -> str:
         """Return where a column's numbers of this group lie; those that will be wanted are called for."""
@@ -272,56 +270,34 @@ class Writer:
         return code.new(f"bitcast {code.mask} {mask} to i{code.lanes}")
 
 
-def issued(lines: Sequence[str]) -> list[str]:
-    """Return the lines of a basic block in the order in which a processor with two ports for arithmetic would begin
-    them that looks `WINDOW` lines ahead, of those that are ready the one first on which most time depends; what moves
-    numbers or addresses at once. LLVM keeps about to it; a processor that looks less far ahead then waits less."""
+def spread(lines: Sequence[str]) -> list[str]:
+    """Return the lines of a basic block ordered by the middle between the first moment at which each could begin and
+    the last that would delay nothing, and a little by their place: LLVM keeps about to it, and a processor, which looks
+    a few tens of instructions ahead, waits less. Moves and logic take no time here, and all arithmetic the same."""
     place: dict[str, int] = {}
     reads: list[list[int]] = []
     costs: list[int] = []
+    begin: list[int] = []
     for k, line in enumerate(lines):
-        name, _, rest = line.partition(" = ") if line.startswith("  %") else ("", "", line)
-        reads.append([place[each] for each in dict.fromkeys(REGISTER.findall(rest)) if each in place])
-        costs.append(LATENCY.get(rest.split(None, 1)[0], 0) if name else 0)
-        place[name.strip()] = k
-    users: list[list[int]] = [[] for _ in lines]
-    left = costs.copy()  # what depends on a line takes so long
+        name, _, what = line.strip().partition(" = ")
+        reads.append([place[each] for each in REGISTER.findall(what or name) if each in place])
+        costs.append(LATENCY if what.startswith(("f", "call")) else 0)
+        begin.append(max((begin[x] + costs[x] for x in reads[k]), default=0))
+        place[name] = k
+    left = costs.copy()  # until the end of what depends on a line
     for k in range(len(lines) - 1, -1, -1):
         for x in reads[k]:
-            users[x].append(k)
             left[x] = max(left[x], costs[x] + left[k])
-    waits = [len(each) for each in reads]
-    known, time, seen, out = [0.0] * len(lines), 0.0, 0, list[int]()
-    ready: list[tuple[int, int]] = []
-    later: list[tuple[float, int]] = []
-    while len(out) < len(lines):
-        while seen < min(len(lines), len(out) + WINDOW):
-            if not waits[seen]:
-                heappush(later, (known[seen], seen))
-            seen += 1
-        while later and (later[0][0] <= time or not ready):
-            begin, k = heappop(later)
-            time = max(time, begin)
-            heappush(ready, (-left[k] if costs[k] else -sys.maxsize, k))
-        k = heappop(ready)[1]
-        out.append(k)
-        for user in users[k]:
-            waits[user] -= 1
-            known[user] = max(known[user], time + costs[k])
-            if not waits[user] and user < seen:
-                heappush(later, (known[user], user))
-        time += 0.5 if costs[k] else 0.0
-    return [lines[k] for k in out]
+    order = sorted(range(len(lines)), key=lambda k: 5 * (begin[k] - left[k]) + 2 * k)
+    return [lines[k] for k in order]
 
 
 class _Parts(Writer):
     """Writes a loop over some groups for each part of a program."""
 
-    def __init__(
-        self, program: Program, first_row: Mapping[str, int], code: Code, fused: Mapping[int, int], calls: bool
-    ) -> None:
-        super().__init__(program, first_row, code, fused, calls)
-        self.size, wide = code.lanes * BYTES[code.scalar], 8 * code.lanes
+    def __init__(self, *given: Any) -> None:
+        super().__init__(*given)
+        self.size, wide = self.code.lanes * BYTES[self.code.scalar], 8 * self.code.lanes
         self.last = self._last_reads()
         self.starts = self._starts()
         places = self._places()
@@ -342,7 +318,7 @@ class _Parts(Writer):
                 self._flag(p)
             elif TOTAL in self.values:
                 self._keep(TOTAL, self.code.doubles())
-            self._issue()
+            self._spread()
             lines.append(END.format(p=p, then="end" if end == until else f"loop{p + 1}", bytes=self.group))
 
     def _form(self, k: int, value: str) -> None:
@@ -370,14 +346,12 @@ class _Parts(Writer):
 
     def _last_reads(self) -> dict[int, int]:
         """For each value that an operation reads: where the last one does; factors are read where a sum takes them."""
-        last: dict[int, int] = {}
-        for k, (op, a, b) in enumerate(self.program.operations):
-            if op is not INPUT and op is not CONSTANT and k not in self.products:
-                product = self.fused.get(k)
-                factors = () if product is None else self.program.operations[product][1:]
-                last.update((x, k) for x in (a, b, *factors) if x is not None and x != product)
-        kinds = (INPUT, CONSTANT)
-        return {x: k for x, k in last.items() if self.program.operations[x][0] not in kinds}
+        kinds, last = [op for op, _, _ in self.program.operations], dict[int, int]()
+        for k, (op, a, b) in reversed([*enumerate(self.program.operations)]):
+            if op is not INPUT and op is not CONSTANT:
+                until = last[k] if k in self.products else k
+                last.update((x, max(until, last.get(x, 0))) for x in (a, b) if x is not None)
+        return {x: k for x, k in last.items() if x not in self.products and kinds[x] not in (INPUT, CONSTANT)}
 
     def _starts(self) -> list[int]:
         """Return where parts begin: where few values are alive, in the second half of as many operations as may be."""

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import ctypes
 import os
+import re
 from functools import cache
+from itertools import count
 from typing import Any, NamedTuple
 
 from robodyn.errors import InputError
@@ -16,6 +18,7 @@ _V3 = (*_V2, "avx", "avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe", "xsa
 _V4 = (*_V3, "avx512bw", "avx512cd", "avx512dq", "avx512f", "avx512vl")
 LEVELS = {"x86-64-v2": _V2, "x86-64-v3": _V3, "x86-64-v4": _V4}
 """The levels of x86-64 processors, which LLVM knows by these names, and what each can do beyond the first."""
+WORD = re.compile(r"^  (.+), (%\w+)\[(.+)\]$", re.M)
 
 
 class Host(NamedTuple):
@@ -104,9 +107,17 @@ def _target_machine() -> Any:
 
 
 def machine_code(ir: str) -> bytes:
+    """`%x = load T, %p[k]` and `store T %x, %p[k]` in the IR, which LLVM does not know, mean word k, of 64 bits."""
     import llvmlite.binding as llvm
 
-    return bytes(_target_machine().emit_object(llvm.parse_assembly(ir)))
+    number = count()
+
+    def addressed(found: re.Match[str]) -> str:
+        what, pointer, word = found.groups()
+        at = f"%word{next(number)}"
+        return f"  {at} = getelementptr i64, ptr {pointer}, i64 {word}\n  {what}, ptr {at}"
+
+    return bytes(_target_machine().emit_object(llvm.parse_assembly(WORD.sub(addressed, ir))))
 
 
 class Function:

@@ -51,10 +51,7 @@ def sample_kernel(program: Program, widths: Mapping[str, int]) -> str:
     writer = _Sample(program, widths)
     writer.write()
     names = [f"%source{k}" for k in range(len(widths))]
-    loads = (
-        f"  {name}_at = getelementptr ptr, ptr %all, i64 {k}\n  {name} = load ptr, ptr {name}_at"
-        for k, name in enumerate([*names, "%to"])
-    )
+    loads = (f"  {name} = load ptr, %all[{k}]" for k, name in enumerate([*names, "%to"]))
     given = ", ".join(f"ptr {name}" for name in names)
     return FRAME.format(
         declared="\n".join(sorted(writer.code.declared)),
@@ -91,38 +88,30 @@ class _Sample(Writer):
 TEXT = """\
 define internal ptr @memory(ptr %o, ptr %table, i32 %dimensions, ptr %shape, i32 %flags) #0 {
 entry:
-  %type_at = getelementptr i8, ptr %o, i64 $TYPE
-  %type = load ptr, ptr %type_at
-  %array_type_at = getelementptr i64, ptr %table, i64 $array_type
-  %array_type = load ptr, ptr %array_type_at
+  %type = load ptr, %o[$TYPE]
+  %array_type = load ptr, %table[$array_type]
   %is_array = icmp eq ptr %type, %array_type
   br i1 %is_array, label %array, label %other
 array:
-  %dtype_at = getelementptr i8, ptr %o, i64 $DTYPE
-  %dtype = load ptr, ptr %dtype_at
-  %double_at = getelementptr i64, ptr %table, i64 $dtype
-  %double = load ptr, ptr %double_at
+  %dtype = load ptr, %o[$DTYPE]
+  %double = load ptr, %table[$dtype]
   %is_double = icmp eq ptr %dtype, %double
-  %flags_at = getelementptr i8, ptr %o, i64 $FLAGS
-  %given_flags = load i32, ptr %flags_at
+  %given_flags = load i32, %o[$FLAGS]
   %common = and i32 %given_flags, %flags
   %plain = icmp eq i32 %common, %flags
-  %dimensions_at = getelementptr i8, ptr %o, i64 $DIMENSIONS
-  %given_dimensions = load i32, ptr %dimensions_at
+  %given_dimensions = load i32, %o[$DIMENSIONS]
   %as_many = icmp eq i32 %given_dimensions, %dimensions
   %fits = and i1 %is_double, %plain
   %fits_all = and i1 %fits, %as_many
   br i1 %fits_all, label %sizes, label %other
 sizes:
-  %shape_at = getelementptr i8, ptr %o, i64 $SHAPE
-  %given_shape = load ptr, ptr %shape_at
+  %given_shape = load ptr, %o[$SHAPE]
   br label %size
 size:
   %k = phi i32 [ 0, %sizes ], [ %k1, %next ]
-  %given_at = getelementptr i64, ptr %given_shape, i32 %k
-  %given = load i64, ptr %given_at
-  %wanted_at = getelementptr i64, ptr %shape, i32 %k
-  %wanted = load i64, ptr %wanted_at
+  %place = zext i32 %k to i64
+  %given = load i64, %given_shape[%place]
+  %wanted = load i64, %shape[%place]
   %same = icmp eq i64 %given, %wanted
   br i1 %same, label %next, label %other
 next:
@@ -130,8 +119,7 @@ next:
   %more = icmp slt i32 %k1, %dimensions
   br i1 %more, label %size, label %found
 found:
-  %data_at = getelementptr i8, ptr %o, i64 $DATA
-  %data = load ptr, ptr %data_at
+  %data = load ptr, %o[$DATA]
   ret ptr %data
 other:
   ret ptr null
@@ -140,52 +128,41 @@ other:
 define ptr @call(ptr %self, ptr %given, i64 %count, ptr %names) #0 {
 entry:
   %arrays = alloca [$ARRAYS x ptr]
-  %table_at = getelementptr i8, ptr %self, i64 $DATA
-  %table = load ptr, ptr %table_at
-  %count_at = getelementptr i64, ptr %table, i64 $count
-  %wanted = load i64, ptr %count_at
+  %table = load ptr, %self[$DATA]
+  %wanted = load i64, %table[$count]
   %as_many = icmp eq i64 %count, %wanted
   br i1 %as_many, label %each, label %otherwise
 each:
   %k = phi i64 [ 0, %entry ], [ %k1, %got ]
-  %one_at = getelementptr ptr, ptr %given, i64 %k
-  %one = load ptr, ptr %one_at
+  %one = load ptr, %given[%k]
   %place = add i64 %k, $WIDTHS
   %width_at = getelementptr i64, ptr %table, i64 %place
   %memory = call ptr @memory(ptr %one, ptr %table, i32 1, ptr %width_at, i32 $ALIGNED_ROWS)
   %none = icmp eq ptr %memory, null
   br i1 %none, label %otherwise, label %got
 got:
-  %array_at = getelementptr ptr, ptr %arrays, i64 %k
-  store ptr %memory, ptr %array_at
+  store ptr %memory, %arrays[%k]
   %k1 = add i64 %k, 1
   %more = icmp slt i64 %k1, %count
   br i1 %more, label %each, label %target
 target:
-  %to_at = getelementptr ptr, ptr %arrays, i64 %count
-  %dimensions_at = getelementptr i64, ptr %table, i64 $dimensions
-  %dimensions_64 = load i64, ptr %dimensions_at
+  %dimensions_64 = load i64, %table[$dimensions]
   %dimensions = trunc i64 %dimensions_64 to i32
   %shape = getelementptr i64, ptr %table, i64 $shape
-  %keep_at = getelementptr i64, ptr %table, i64 $keep
-  %keep = load ptr, ptr %keep_at
+  %keep = load ptr, %table[$keep]
   %unnamed = icmp eq ptr %names, null
   br i1 %unnamed, label %new, label %named
 named:
-  %length_at = getelementptr i8, ptr %names, i64 $DATA
-  %length = load i64, ptr %length_at
+  %length = load i64, %names[$DATA]
   %single = icmp eq i64 %length, 1
   br i1 %single, label %name, label %otherwise
 name:
-  %name_at = getelementptr i8, ptr %names, i64 $DIMENSIONS
-  %word = load ptr, ptr %name_at
-  %out_at = getelementptr i64, ptr %table, i64 $out
-  %out = load ptr, ptr %out_at
+  %word = load ptr, %names[$DIMENSIONS]
+  %out = load ptr, %table[$out]
   %is_out = icmp eq ptr %word, %out
   br i1 %is_out, label %old, label %otherwise
 old:
-  %old_at = getelementptr ptr, ptr %given, i64 %count
-  %old_array = load ptr, ptr %old_at
+  %old_array = load ptr, %given[%count]
   %old_memory = call ptr @memory(ptr %old_array, ptr %table, i32 %dimensions, ptr %shape, i32 $WRITEABLE_ROWS)
   %unfit = icmp eq ptr %old_memory, null
   br i1 %unfit, label %otherwise, label %kept
@@ -193,36 +170,30 @@ kept:
   call void %keep(ptr %old_array)
   br label %run
 new:
-  %dtype_at = getelementptr i64, ptr %table, i64 $dtype
-  %dtype = load ptr, ptr %dtype_at
+  %dtype = load ptr, %table[$dtype]
   call void %keep(ptr %dtype)
-  %empty_at = getelementptr i64, ptr %table, i64 $empty
-  %empty = load ptr, ptr %empty_at
+  %empty = load ptr, %table[$empty]
   %new_array = call ptr %empty(i32 %dimensions, ptr %shape, ptr %dtype, i32 0)
   %failed = icmp eq ptr %new_array, null
   br i1 %failed, label %nothing, label %made
 made:
-  %new_memory_at = getelementptr i8, ptr %new_array, i64 $DATA
-  %new_memory = load ptr, ptr %new_memory_at
+  %new_memory = load ptr, %new_array[$DATA]
   br label %run
 run:
   %result = phi ptr [ %old_array, %kept ], [ %new_array, %made ]
   %result_memory = phi ptr [ %old_memory, %kept ], [ %new_memory, %made ]
-  store ptr %result_memory, ptr %to_at
-  %kernel = load ptr, ptr %table
+  store ptr %result_memory, %arrays[%count]
+  %kernel = load ptr, %table[$kernel]
   %flag = call i64 %kernel(ptr %arrays)
   %fine = icmp eq i64 %flag, 0
   br i1 %fine, label %done, label %flagged
 flagged:
-  %drop_at = getelementptr i64, ptr %table, i64 $drop
-  %drop = load ptr, ptr %drop_at
+  %drop = load ptr, %table[$drop]
   call void %drop(ptr %result)
   br label %otherwise
 otherwise:
-  %slow_at = getelementptr i64, ptr %table, i64 $otherwise
-  %slow = load ptr, ptr %slow_at
-  %vectorcall_at = getelementptr i64, ptr %table, i64 $vectorcall
-  %vectorcall = load ptr, ptr %vectorcall_at
+  %slow = load ptr, %table[$otherwise]
+  %vectorcall = load ptr, %table[$vectorcall]
   %answer = call ptr %vectorcall(ptr %slow, ptr %given, i64 %count, ptr %names)
   ret ptr %answer
 done:
@@ -236,8 +207,8 @@ attributes #0 = { nounwind }
 
 MOST_ARGUMENTS, MOST_DIMENSIONS = 8, 3
 _ALIGNED_ROWS, _WRITEABLE = 0x101, 0x400
-_TYPE, _DATA, _DIMENSIONS, _SHAPE, _DTYPE, _FLAGS = 8, 16, 24, 32, 56, 64
-"""Where an array's object holds these, in bytes; tuples hold their length and items at `_DATA` and `_DIMENSIONS`."""
+_TYPE, _DATA, _DIMENSIONS, _SHAPE, _DTYPE, _FLAGS = 1, 2, 3, 4, 7, 8
+"""Where an array's object holds these, in words; tuples hold their length and items at `_DATA` and `_DIMENSIONS`."""
 _EMPTY = 184
 """The place of PyArray_Empty in NumPy's table of functions, which keeps its order from release to release."""
 _FIELDS = "kernel count array_type dtype out empty keep drop vectorcall otherwise dimensions shape"
@@ -326,7 +297,7 @@ def _usual() -> bool:
     array, pair = np.zeros((2, 3)), ("out", "in")
 
     def word(thing: object, offset: int) -> int:
-        return ctypes.c_uint64.from_address(id(thing) + offset).value
+        return ctypes.c_uint64.from_address(id(thing) + 8 * offset).value
 
     as_array = (
         word(array, _TYPE) == id(np.ndarray)
