@@ -12,13 +12,13 @@ from robodyn.dynamics.loops.closed_chain import NOTHING, ClosedChain, closed_cha
 from robodyn.dynamics.loops.closure import loops_size, moved, unit
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
-from robodyn.programs.linear import min_norm_solution, null_space, range_basis
 from robodyn.programs.vectors import length, product, rotation_from_rpy
 from robodyn.robot.kinematics import Values, coordinates, named
 from robodyn.robot.limits import coordinate_ranges
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
+from robodyn.support.linear import min_norm_solution, null_space, range_basis
 
 ROOM = 0.05
 """Of a joint's range, and rad or m at most: what is left to a limit where 0 is none of the positions between limits."""

@@ -22,7 +22,6 @@ from robodyn.equations.forms import LETTERS, Forms, TooLargeError, module
 from robodyn.equations.letters import AXES, Letter, Lettered
 from robodyn.equations.ode import check_equations
 from robodyn.errors import InputError, SceneError
-from robodyn.programs.linear import eigen
 from robodyn.programs.program import trace
 from robodyn.programs.run.numpy_blocks import NumpyBlocks
 from robodyn.programs.scalar import Tape
@@ -31,6 +30,7 @@ from robodyn.robot.kinematics import Values, configuration, rates
 from robodyn.robot.model import Joint, Model
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
+from robodyn.support.linear import eigen
 from robodyn.support.wording import count
 
 ATOM, PRODUCT, CROSS, SUM = range(4)

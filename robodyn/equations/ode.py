@@ -12,12 +12,12 @@ from robodyn.dynamics.arrays import zero_columns
 from robodyn.dynamics.inverse import bias_forces, mass_matrix
 from robodyn.dynamics.plan import Plan, plan, runner_of
 from robodyn.errors import InputError
-from robodyn.programs.linear import eigen
 from robodyn.robot.kinematics import Values, beyond_limits, configuration, rates
 from robodyn.robot.model import Model
 from robodyn.scene.fit import check_moves, refuse_constraints, refuse_load, refuse_others
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
+from robodyn.support.linear import eigen
 from robodyn.support.wording import listed
 
 

@@ -28,11 +28,11 @@ from robodyn.dynamics.loops.position_continuation import Follow
 from robodyn.dynamics.plan import Plan, plan, torque_runner
 from robodyn.loads.constraint_result import Constraints, ContactLoad, LoopLoad, Missing, Peak, Unbalanced
 from robodyn.loads.statistics import Greatest, Integrals
-from robodyn.programs.linear import min_norm_solution, null_space
 from robodyn.programs.vectors import length, product
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Contact, Scene, Vector
 from robodyn.support.floats import Floats, einsum, steady
+from robodyn.support.linear import min_norm_solution, null_space
 from robodyn.trajectory.motion import Sampling, Trajectory
 from robodyn.trajectory.read import sources_of
 

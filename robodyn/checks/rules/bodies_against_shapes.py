@@ -24,12 +24,12 @@ from robodyn.checks.bodies.masses import broken_law, is_a_point, link_poses, pri
 from robodyn.checks.examples import SHAPED_INERTIA, a_shaped_link, inertia
 from robodyn.checks.mirror import twins
 from robodyn.checks.rule import ERROR, NOTE, TREE, WARNING, Context, Fault, Faults, Severity, rule
-from robodyn.programs.linear import eigen
 from robodyn.programs.vectors import length, product
 from robodyn.robot.masses.mistakes import Uniform
 from robodyn.solids.inertia.laws import inertia_matrix
 from robodyn.solids.inertia.validity import Box
 from robodyn.support.floats import Floats, first_largest
+from robodyn.support.linear import eigen
 from robodyn.support.wording import figure, one_of
 
 FAR = 4.0  # times the bound that are an error

@@ -14,12 +14,12 @@ from robodyn.checks.examples import LIMIT, arm, longer_arm
 from robodyn.checks.meshes.files import reach
 from robodyn.checks.rule import ERROR, NOTE, TREE, WARNING, Context, Edit, Fault, Faults, Fix, rule
 from robodyn.checks.rules.ranges import TURNING, of_numbers
-from robodyn.programs.linear import eigen
 from robodyn.programs.vectors import length, product
 from robodyn.robot.urdf.description import cycles
 from robodyn.robot.urdf.document import unexpanded
 from robodyn.robot.urdf.parts import WITH_AXIS, WITH_RANGE
 from robodyn.robot.urdf.view import JointView, value_span
+from robodyn.support.linear import eigen
 from robodyn.support.wording import alternatives, listed, shown
 
 

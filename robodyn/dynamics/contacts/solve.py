@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from robodyn.dynamics.contacts.dual import FEASIBLE, SOFTNESS, Cones, least_forces
 from robodyn.errors import InputError
-from robodyn.programs.linear import min_norm_solution
 from robodyn.programs.vectors import length, product
 from robodyn.support.extras import need
 from robodyn.support.floats import BEYOND, Floats, einsum
+from robodyn.support.linear import min_norm_solution
 
 Flags = NDArray[np.bool_]
 TOLERANCES = (1e-12, 1e-10, 1e-8, 1e-6)

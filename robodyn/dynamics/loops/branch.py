@@ -14,13 +14,13 @@ from robodyn.dynamics.loops.closed_chain import ClosedChain, closed_chain, indep
 from robodyn.dynamics.loops.closure import loops_size, moved, unit
 from robodyn.dynamics.plan import Plan, plan, ready
 from robodyn.errors import InputError, TrajectoryError
-from robodyn.programs.linear import null_space, pseudo_inverse, range_basis
 from robodyn.programs.program import traced
 from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import Scalar, product, rotation_from_rpy
 from robodyn.robot.kinematics import unit_rows
 from robodyn.robot.limits import coordinate_ranges
 from robodyn.support.floats import Floats, einsum
+from robodyn.support.linear import null_space, pseudo_inverse, range_basis
 from robodyn.support.wording import count
 
 STARTS = 32

@@ -11,8 +11,8 @@ from robodyn.dynamics.initial_state import check_dropped, nearby
 from robodyn.dynamics.loops.branch import FEW, OFF, UNREACHED, Branch, begin, block_equations, given, search, singular
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import Caveat, TrajectoryError
-from robodyn.programs.linear import pseudo_inverse
 from robodyn.support.floats import Floats, einsum
+from robodyn.support.linear import pseudo_inverse
 
 RATES = ("", "/s", "/s^2")
 SHARE = 0.05

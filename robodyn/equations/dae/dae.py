@@ -23,7 +23,6 @@ from robodyn.dynamics.plan import applied, loads, plan
 from robodyn.equations.dae.system import Matrices, System, state_of, system_at, velocities_of
 from robodyn.equations.ode import bias_plan, check_equations
 from robodyn.errors import InputError
-from robodyn.programs.linear import min_norm_solution, null_space
 from robodyn.programs.vectors import length, narrowed, narrowed_all
 from robodyn.robot.kinematics import (
     Values,
@@ -39,6 +38,7 @@ from robodyn.robot.kinematics import (
 from robodyn.robot.model import Model
 from robodyn.scene.scene import DEFAULT, Entry, Scene
 from robodyn.support.floats import Floats
+from robodyn.support.linear import min_norm_solution, null_space
 
 CONTRADICTED = 1e-8
 """Of the magnitudes that add up."""

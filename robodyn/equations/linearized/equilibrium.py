@@ -19,11 +19,11 @@ from robodyn.dynamics.plan import plan
 from robodyn.equations.ode import units_of
 from robodyn.errors import InputError
 from robodyn.programs.derivative import Dual, rate_of
-from robodyn.programs.linear import eigen, min_norm_solution, null_space, range_basis
 from robodyn.programs.vectors import length, product
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Entry, Scene
 from robodyn.support.floats import Floats, first_largest
+from robodyn.support.linear import eigen, min_norm_solution, null_space, range_basis
 
 _ROUNDED = 4.0 * float(np.finfo(float).eps)
 """Four roundings, of q no more than 1e-10 of the torque that they change."""

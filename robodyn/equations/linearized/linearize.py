@@ -25,13 +25,13 @@ from robodyn.equations.linearized.equilibrium import (
 from robodyn.equations.linearized.modes import Modes, SmallMotion, modes_of
 from robodyn.equations.ode import check_equations
 from robodyn.errors import InputError
-from robodyn.programs.linear import eigen
 from robodyn.programs.vectors import product
 from robodyn.robot.kinematics import Values, beyond_limits, configuration, rates
 from robodyn.robot.limits import Excess, held_beyond
 from robodyn.robot.model import Model
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
+from robodyn.support.linear import eigen
 from robodyn.support.wording import Cell, Shown, count, figure, listed, shown
 
 _LOST = 1.0 / float(np.finfo(float).eps)

@@ -10,9 +10,9 @@ from typing import NamedTuple
 import numpy as np
 
 from robodyn.errors import InputError
-from robodyn.programs.linear import Complexes, general_eigen, null_space, range_basis
 from robodyn.programs.vectors import length, product
 from robodyn.support.floats import Floats
+from robodyn.support.linear import Complexes, general_eigen, null_space, range_basis
 
 _WRITTEN = 5e-10
 """Half a unit of the tenth digit, with which descriptions write right angles (1.570796327): an axis is so far off, and

@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike
 
 from robodyn.dynamics.regressor import INERTIAL
 from robodyn.errors import InputError, MeshError
-from robodyn.programs.linear import eigen
 from robodyn.programs.vectors import length, product
 from robodyn.robot.load import placement
 from robodyn.robot.masses.shapes import mesh_file
@@ -24,6 +23,7 @@ from robodyn.solids.inertia.validity import Box, around, half_size
 from robodyn.solids.mesh.read.load import load_triangles
 from robodyn.solids.mesh.triangles import scaled
 from robodyn.support.floats import Floats, einsum
+from robodyn.support.linear import eigen
 from robodyn.support.wording import listed, shown
 
 _FLAT, _THICKNESS = 1e-6, 1e-2

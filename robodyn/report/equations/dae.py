@@ -9,12 +9,12 @@ import numpy as np
 
 from robodyn.equations.dae.dae import Counts, Dae
 from robodyn.equations.dae.system import Equation, Place, Sum
-from robodyn.programs.linear import eigen
 from robodyn.report.document import Block, Paragraph, Section, Table, encode, paragraphs, remarks, select, written
 from robodyn.report.equations.equations import base_text
 from robodyn.report.sizes import sizes
 from robodyn.report.table import axis_text, gravity_text, number, printable, relative_text
 from robodyn.support.floats import first_largest
+from robodyn.support.linear import eigen
 from robodyn.support.wording import count
 
 MOST = 16

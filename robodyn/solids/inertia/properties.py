@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robodyn.errors import InputError
-from robodyn.programs.linear import eigen
 from robodyn.programs.vectors import IDENTITY, ZERO, Array, Scalar, cross, length, product, rotation_from_rpy
 from robodyn.solids.inertia.laws import (
     Inertia,
@@ -27,6 +26,7 @@ from robodyn.solids.inertia.laws import (
     second_moments,
 )
 from robodyn.support.floats import Floats, first_largest
+from robodyn.support.linear import eigen
 
 EQUAL = 1e-9
 FARTHEST = 1e100

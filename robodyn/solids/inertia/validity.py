@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robodyn.errors import InputError
-from robodyn.programs.linear import eigen
 from robodyn.programs.vectors import Array, product
 from robodyn.solids.inertia.laws import principal_moments, second_moments
 from robodyn.support.floats import HALF_UP, Floats
+from robodyn.support.linear import eigen
 
 if TYPE_CHECKING:
     from robodyn.solids.inertia.properties import MassProperties

@@ -12,13 +12,13 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from robodyn.errors import MeshError
-from robodyn.programs.linear import eigen
 from robodyn.programs.vectors import Array, Scalar
 from robodyn.solids.inertia.laws import exact
 from robodyn.solids.mesh.closed import EdgeSums, Fingerprint
 from robodyn.solids.mesh.kernel import PAIRS, Kernel, surface_kernel, symmetric, volume_kernel
 from robodyn.solids.mesh.triangles import Triangles, block_space, fill, reference_in
 from robodyn.support.floats import LARGEST, Floats
+from robodyn.support.linear import eigen
 
 _MANTISSA = 53
 _SAFE = 2.0**-170, 2.0**180

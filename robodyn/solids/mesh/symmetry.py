@@ -8,7 +8,6 @@ from math import pi
 
 import numpy as np
 
-from robodyn.programs.linear import eigen
 from robodyn.programs.vectors import length, product, rotation_about
 from robodyn.solids.inertia.laws import exact, fraction
 from robodyn.solids.inertia.properties import MassProperties
@@ -16,6 +15,7 @@ from robodyn.solids.mesh.asymmetry import GOLDEN_TURN, CentredBody, mirror
 from robodyn.solids.mesh.columns import frame_along
 from robodyn.solids.mesh.symmetry_search import Product, Search, Symmetry
 from robodyn.support.floats import einsum
+from robodyn.support.linear import eigen
 
 _FIXED = 1e-2
 """How far a map may move what it leaves as it is, and what counts as no direction of its own: errors of normals."""

@@ -10,12 +10,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robodyn.programs.linear import eigen
 from robodyn.programs.vectors import Array, arctan2, length, product
 from robodyn.solids.inertia.laws import inertia_matrix
 from robodyn.solids.mesh.indexed import Mask, components, hashed, paired
 from robodyn.solids.mesh.integrals import Integrals
 from robodyn.support.floats import Floats, median
+from robodyn.support.linear import eigen
 
 Integers = NDArray[np.int64]
 

@@ -14,9 +14,9 @@ from mpmath import mp
 
 import robodyn
 from robodyn.equations.linearized.linearize import linearize
-from robodyn.programs.linear import general_eigen
 from robodyn.robot.load import load
 from robodyn.scene.scene import Drive, Friction, Scene, Spring
+from robodyn.support.linear import general_eigen
 
 G = 9.81
 NO_WEIGHT = Scene(gravity=(0.0, 0.0, 0.0))
