@@ -4,10 +4,10 @@ move."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,7 +17,7 @@ from robodyn.dynamics.effects import motors
 from robodyn.dynamics.effects.effect import Sample, Terms
 from robodyn.dynamics.plan import Plan, plan, runner_of
 from robodyn.errors import InputError
-from robodyn.programs.derivative import Dual, rate_of, value_of
+from robodyn.programs.derivative import along
 from robodyn.programs.derivative import jacobian as rates_along
 from robodyn.programs.program import trace, traced
 from robodyn.programs.run.runner import Runner
@@ -37,14 +37,6 @@ GROUND = "ground"
 COLUMNS = (*(f"{name}_{axis}" for name in ("com", "p", "L") for axis in "xyz"), "T", "V")
 _KINETIC = (motors.ROTOR, motors.COUPLED, motors.GYROSCOPIC)
 """The effects that store kinetic energy."""
-
-
-def dual_state(
-    model: Model, q: Sequence[Scalar], qd: Sequence[Scalar], qdd: Sequence[Scalar]
-) -> tuple[list[Dual], list[Dual]]:
-    """q and qd as duals whose rates are those of the motion."""
-    position = [Dual(x, rate) for x, rate in zip(q, position_rates(model, q, qd), strict=True)]
-    return position, [Dual(x, rate) for x, rate in zip(qd, qdd, strict=True)]
 
 
 def position_rates(model: Model, q: Sequence[Scalar], qd: Sequence[Scalar]) -> list[Scalar]:
@@ -225,42 +217,50 @@ def momentum_runner(a_plan: Plan, view: View) -> Runner:
 @traced
 def laws(plan: Plan, tape: Tape) -> Iterable[Scalar]:
     """The program of the base wrench that Euler's laws demand, about the base's origin and in its axes, and of the
-    power that goes into stored energy; the rates come from dual scalars.
+    power that goes into stored energy; rates are derivatives along the motion.
 
     `f = dP/dt + w x P - m g - sum f_ext`, `n = dH/dt + w x H + v x P - c x m g - sum (n_ext + r x f_ext)`, w and v
     being the base's velocities; dE/dt; and the squared magnitudes of what balances in each of the three, rates of the
     bodies' own momenta and energies and wrenches that act on them: in all 10 outputs.
     """
     sample, terms = plan.terms(tape)
-    q, qd = dual_state(sample.model, sample.q, sample.qd, sample.qdd)
-    dual = replace(sample, q=tuple(q), qd=tuple(qd))
-    parents, joints = sample.model.parents, dual.motions()
+    model, parents = sample.model, sample.model.parents
+    state = [("q", k) for k in range(model.nq)] + [("qd", k) for k in range(model.n)]
+    rates = [*position_rates(model, sample.q, sample.qd), *sample.qdd]
+    direction = {tape.input(*each): rate for each, rate in zip(state, rates, strict=True) if rate != 0.0}
+    # what moves is an input also where it is zero throughout
+    here = [
+        tape.input(*each) if rate != 0.0 else x
+        for each, rate, x in zip(state, rates, sample.q + sample.qd, strict=True)
+    ]
+    sample = replace(sample, q=tuple(here[: model.nq]), qd=tuple(here[model.nq :]))
+    joints = sample.motions()
     whole, moving = total_momenta(parents, joints, terms.inertias), velocities(parents, joints)
-    P, H, mc = (_each(value_of, x) for x in (whole.P, whole.H, whole.mc))
-    w, v = (_each(value_of, x) for x in moving[0])
-    weight = _each(value_of, joints[0].R).T @ terms.gravity
-    f = _each(rate_of, whole.P) + cross(w, P) - whole.m * weight
-    n = _each(rate_of, whole.H) + cross(w, H) + cross(v, P) - cross(mc, weight)
+    bodies = momentum_of_bodies(parents, joints, terms.inertias)
+    power, *rates = along(
+        [stored_energy(plan, sample, terms, joints), *whole.P, *whole.H, *np.ravel(bodies)], direction
+    )
+    (P_rate, H_rate), *of_bodies = np.array(rates, dtype=object).reshape(-1, 2, 3)
+    weight = joints[0].R.T @ terms.gravity
+    f = P_rate + cross(moving[0].w, whole.P) - whole.m * weight
+    n = H_rate + cross(moving[0].w, whole.H) + cross(moving[0].v, whole.P) - cross(whole.mc, weight)
     forces: list[Scalar] = []
     moments: list[Scalar] = []
     powers: list[Scalar] = []
-    for body, motion in zip(momentum_of_bodies(parents, joints, terms.inertias), moving, strict=True):
-        P_rate, H_rate = (_each(rate_of, x) for x in body)
+    for (P_rate, H_rate), motion in zip(of_bodies, moving, strict=True):
         forces.append(P_rate @ P_rate)
         moments.append(H_rate @ H_rate)
-        for rate, velocity in ((P_rate, _each(value_of, motion.v)), (H_rate, _each(value_of, motion.w))):
+        for rate, velocity in ((P_rate, motion.v), (H_rate, motion.w)):
             parts = rate * velocity
             powers.append(parts @ parts)
     if terms.wrenches:  # about the base's origin, in the base's axes
-        where = [motion._replace(R=_each(value_of, motion.R), p=_each(value_of, motion.p)) for motion in joints]
-        from_base = poses(parents, [where[0]._replace(R=np.eye(3), p=np.zeros(3)), *where[1:]])
+        from_base = poses(parents, [joints[0]._replace(R=np.eye(3), p=np.zeros(3)), *joints[1:]])
         for i, wrench in terms.wrenches:
             force = from_base[i].R @ wrench.f
             moment = from_base[i].R @ wrench.n + cross(from_base[i].p, force)
             f, n = f - force, n - moment
             forces.append(force @ force)
             moments.append(moment @ moment)
-    power = rate_of(stored_energy(plan, dual, terms, joints))
     return [*f, *n, power, total(forces), total(moments), total(powers)]
 
 
@@ -328,11 +328,6 @@ def power_lost(plan: Plan, sample: Sample, terms: Terms, joints: list[Motion]) -
     for i, wrench in terms.wrenches:
         power = power - (wrench.f @ moving[i].v + wrench.n @ moving[i].w)
     return power
-
-
-def _each(part: Callable[[Any], Scalar], array: Array) -> Array:
-    out: Array = np.vectorize(part, otypes=[object])(array)
-    return out
 
 
 class LinkPose(NamedTuple):

@@ -1,4 +1,4 @@
-"""Derivatives of traced scalars, as further operations on the same tape; and dual scalars, for rates along a motion."""
+"""Derivatives of traced scalars, as further operations on the same tape."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import operator
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import compress
-from typing import Any
 
 from robodyn.programs.program import Program, trace
 from robodyn.programs.scalar import ADD, CONSTANT, COS, DIV, EXP, INPUT, MUL, NEG, SIGN, SIN, SQRT, SUB, Tape, Traced
@@ -17,6 +16,8 @@ Direction = Mapping[Traced, Scalar]
 
 Row = list[Scalar]
 Rates = dict[int, Scalar]
+Edges = dict[Traced, list[tuple[Traced, Scalar]]]
+"""Of each operation, operands first: the operands that change along some direction, and its derivative by each."""
 
 
 def jacobian(outputs: Sequence[Scalar], directions: Sequence[Direction]) -> list[Row]:
@@ -30,25 +31,9 @@ def jacobian(outputs: Sequence[Scalar], directions: Sequence[Direction]) -> list
 
     Accuracy: as that of the outputs; each operation contributes a few roundings of its own partial derivatives.
     """
-    tape = next((output.tape for output in outputs if isinstance(output, Traced)), Tape())
-    changing = {node for direction in directions for node in direction}
-    # of each operation, operands first: the operands that change along some direction, and its derivative by each
-    edges: dict[Traced, list[tuple[Traced, Scalar]]] = {}
-    for node in list(compress(tape.nodes.values(), _users([outputs], tape))):
-        if node.op in _PARTIALS and (node.a in changing or node.b in changing):
-            parts = zip((node.a, node.b), _PARTIALS[node.op](node), strict=False)
-            edges[node] = [(operand, partial) for operand, partial in parts if operand in changing]
-            changing.add(node)
-
-    rates: dict[Traced, Rates] = defaultdict(dict)
-    for k, direction in enumerate(directions):
-        for node, rate in direction.items():
-            rates[node][k] = rate
-    for node, changes in edges.items():
-        rates[node] = _added({}, rates, changes)
-    along = [rates.get(output, {}) if isinstance(output, Traced) else {} for output in outputs]
-    forwards = [[row.get(k, 0.0) for k in range(len(directions))] for row in along]
-
+    tape = _tape(outputs)
+    edges = _edges(outputs, directions)
+    forwards = _forwards(outputs, directions, edges)
     weights: dict[Traced, Rates] = defaultdict(dict)
     for i, output in enumerate(outputs):
         if isinstance(output, Traced):
@@ -60,6 +45,11 @@ def jacobian(outputs: Sequence[Scalar], directions: Sequence[Direction]) -> list
     columns = [_added({}, weights, direction.items()) for direction in directions]
     backwards = [[column.get(i, 0.0) for column in columns] for i in range(len(outputs))]
     return _fewest(forwards, backwards, tape)
+
+
+def along(outputs: Sequence[Scalar], direction: Direction) -> Row:
+    """Return how fast outputs change along one direction, forwards; accuracy as of `jacobian`."""
+    return [rate for (rate,) in _forwards(outputs, [direction], _edges(outputs, [direction]))]
 
 
 def derivative(program: Program, inputs: Sequence[tuple[str, int]]) -> Program:
@@ -95,6 +85,32 @@ FUNCTIONS: dict[str, Callable[..., Scalar]] = {
     EXP: exp,
 }
 """Each operation on scalars of any kind."""
+
+
+def _tape(outputs: Iterable[Scalar]) -> Tape:
+    return next((output.tape for output in outputs if isinstance(output, Traced)), Tape())
+
+
+def _edges(outputs: Sequence[Scalar], directions: Sequence[Direction]) -> Edges:
+    changing = {node for direction in directions for node in direction}
+    tape, edges = _tape(outputs), Edges()
+    for node in list(compress(tape.nodes.values(), _users([outputs], tape))):
+        if node.op in _PARTIALS and (node.a in changing or node.b in changing):
+            parts = zip((node.a, node.b), _PARTIALS[node.op](node), strict=False)
+            edges[node] = [(operand, partial) for operand, partial in parts if operand in changing]
+            changing.add(node)
+    return edges
+
+
+def _forwards(outputs: Sequence[Scalar], directions: Sequence[Direction], edges: Edges) -> list[Row]:
+    rates: dict[Traced, Rates] = defaultdict(dict)
+    for k, direction in enumerate(directions):
+        for node, rate in direction.items():
+            rates[node][k] = rate
+    for node, changes in edges.items():
+        rates[node] = _added({}, rates, changes)
+    rows = [rates.get(output, {}) if isinstance(output, Traced) else {} for output in outputs]
+    return [[row.get(k, 0.0) for k in range(len(directions))] for row in rows]
 
 
 def _users(rows: Iterable[Iterable[Scalar]], tape: Tape) -> list[int]:
@@ -160,67 +176,3 @@ def _fewest(forwards: list[Row], backwards: list[Row], tape: Tape) -> list[Row]:
             if (needed := size(other)) < least:
                 least, taken = needed, other
     return [rows[i + count * (taken >> i + count & 1)] for i in range(count)]
-
-
-class Dual:
-    """x + x' eps with eps^2 = 0: forward differentiation along the motion. Both parts are any scalar."""
-
-    __slots__ = ("rate", "value")
-
-    def __init__(self, value: Scalar, rate: Scalar) -> None:
-        self.value, self.rate = value, rate
-
-    def __neg__(self) -> Dual:
-        return Dual(-self.value, -self.rate)
-
-    def __add__(self, other: Any) -> Dual:
-        value, rate = _parts(other)
-        return Dual(self.value + value, self.rate + rate)
-
-    __radd__ = __add__
-
-    def __sub__(self, other: Any) -> Dual:
-        value, rate = _parts(other)
-        return Dual(self.value - value, self.rate - rate)
-
-    def __rsub__(self, other: Any) -> Dual:
-        return Dual(other, 0.0) - self
-
-    def __mul__(self, other: Any) -> Dual:
-        value, rate = _parts(other)
-        return Dual(self.value * value, self.rate * value + self.value * rate)
-
-    __rmul__ = __mul__
-
-    def __truediv__(self, other: Any) -> Dual:
-        value, rate = _parts(other)
-        ratio = self.value / value
-        return Dual(ratio, (self.rate - ratio * rate) / value)
-
-    def __rtruediv__(self, other: Any) -> Dual:
-        return Dual(other, 0.0) / self
-
-    def sin(self) -> Dual:
-        return Dual(sin(self.value), self.rate * cos(self.value))
-
-    def cos(self) -> Dual:
-        return Dual(cos(self.value), -(self.rate * sin(self.value)))
-
-    def exp(self) -> Dual:
-        value = exp(self.value)
-        return Dual(value, self.rate * value)
-
-    def sign(self) -> Dual:
-        return Dual(sign(self.value), 0.0)
-
-
-def _parts(x: Any) -> tuple[Scalar, Scalar]:
-    return (x.value, x.rate) if isinstance(x, Dual) else (x, 0.0)
-
-
-def value_of(x: Any) -> Scalar:
-    return _parts(x)[0]
-
-
-def rate_of(x: Any) -> Scalar:
-    return _parts(x)[1]

@@ -1,6 +1,6 @@
 """Three-vectors and rotations whose entries may be any scalar.
 
-A scalar is whatever has +, -, *, /: a float, an `mpmath.mpf`, a SymPy expression, a traced or a dual scalar.
+A scalar is whatever has +, -, *, /: a float, an `mpmath.mpf`, a SymPy expression, a traced scalar.
 Vectors have shape (3,) and matrices (3, 3); their dtype is float64 for floats and object for every other scalar.
 """
 

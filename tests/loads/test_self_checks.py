@@ -58,6 +58,17 @@ def test_hold_with_every_effect():
     assert checks.samples == 64
 
 
+@pytest.mark.parametrize("still", [{"q"}, {"qd"}, {"q", "qd"}])
+def test_hold_where_a_state_is_zero_throughout(still):
+    """What is zero in every sample is folded away; its rate is not."""
+    model = robot("puma")
+    state = dict(zip(("q", "qd", "qdd"), random_state(model, np.random.default_rng(3), 20), strict=True))
+    checks = torques(
+        model, motion(model, np.arange(20.0), *(x * (name not in still) for name, x in state.items()))
+    ).checks
+    assert max(checks.first_law, checks.second_law, checks.power) <= 1e-13
+
+
 MUTATIONS = {
     "a wrong force": lambda wrench: wrench._replace(f=wrench.f * 1.001),
     "a wrong moment": lambda wrench: wrench._replace(n=wrench.n + np.array([0, 0, 0.001])),

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import chain
 from math import hypot
 from typing import NamedTuple
 
@@ -18,8 +20,11 @@ from robodyn.dynamics.loops.closure import moved, unit
 from robodyn.dynamics.plan import plan
 from robodyn.equations.ode import units_of
 from robodyn.errors import InputError
-from robodyn.programs.derivative import Dual, rate_of
-from robodyn.programs.vectors import length, product
+from robodyn.programs.derivative import jacobian
+from robodyn.programs.program import trace
+from robodyn.programs.run.numpy_blocks import NumpyBlocks
+from robodyn.programs.scalar import Tape
+from robodyn.programs.vectors import Scalar, length, product
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Entry, Scene
 from robodyn.support.floats import Floats, first_largest
@@ -118,6 +123,22 @@ class RobotAtRest:
                 out[body.joint.rate] = mass
         return out
 
+    @cached_property
+    def _change_of_loops(self) -> NumpyBlocks:
+        """d (J^T multipliers) / dq along each joint's first coordinate; bases do not move."""
+        loops, model = self.chain, self.model
+        assert loops is not None
+
+        def outputs(tape: Tape) -> Iterable[Scalar]:
+            q = [tape.input("q", k) for k in range(model.nq)]
+            carried: list[Scalar] = [0.0] * model.n
+            for k, row in enumerate(loops.equations(loops.sample(q)).J):
+                for rate, entry in row.items():
+                    carried[rate] += entry * tape.input("multipliers", k)
+            return chain(*jacobian(carried, [{q[joint.coordinate]: 1.0} for joint in model.independent]))
+
+        return NumpyBlocks(trace(outputs), {"q": model.nq, "multipliers": loops.count})
+
     def balance(self, q: Floats) -> Balance:
         """Return what is missing at q; InputError where the torques are not finite.
 
@@ -140,14 +161,8 @@ class RobotAtRest:
         J = self.chain.jacobian(self.chain.sample(q.tolist()))
         multipliers = min_norm_solution(J.T, missing, FEW)
         N = null_space(J, FEW).T
-        # d (J^T lambda) / dq, by dual numbers along each coordinate; bases do not move
-        for joint in model.independent:
-            dual: list[float | Dual] = list(q.tolist())
-            dual[joint.coordinate] = Dual(float(q[joint.coordinate]), 1.0)
-            rows = self.chain.equations(self.chain.sample(dual)).J
-            for row, multiplier in zip(rows, multipliers.tolist(), strict=True):
-                for rate, entry in row.items():
-                    stiffness[rate, joint.rate] -= float(rate_of(entry)) * multiplier
+        change = self._change_of_loops({"q": q[None], "multipliers": multipliers[None]}, 1)
+        stiffness[:, [joint.rate for joint in model.independent]] -= change.reshape(model.n, -1)
         scale = np.where(self.tied, (scale * self.lengths)[self.tied].max(initial=0.0) / self.lengths, scale)
         return Balance(product(N, product(N.T, missing)), N, stiffness, scale)
 

@@ -10,10 +10,12 @@ from helpers.small_robots import built, joint, link
 import robodyn
 from robodyn.dynamics.effects.effect import Sample
 from robodyn.dynamics.loops.closed_chain import GivensProjection, closed_chain
-from robodyn.dynamics.momenta import dual_state
+from robodyn.dynamics.momenta import position_rates
 from robodyn.dynamics.plan import applied, plan
 from robodyn.dynamics.recursions.articulated_body import Root
 from robodyn.errors import InputError
+from robodyn.programs.derivative import FUNCTIONS, along
+from robodyn.programs.program import trace
 from robodyn.scene.scene import Loop, Scene
 
 
@@ -29,16 +31,23 @@ def solved(model, scene, q, qd, tau):
 
 @pytest.mark.parametrize(("moving", "to"), [(False, "b2"), (True, "b2"), (True, "ground")])
 @pytest.mark.parametrize("kind", ["point", "hinge", "weld"])
-def test_rates_are_those_of_dual_numbers(kind, moving, to):
+def test_rates_are_derivatives_along_the_motion(kind, moving, to):
     model, scene = spatial_loop(3, kind, moving, to)
     chain, rng = closed_chain(plan(model, scene)), np.random.default_rng(1)
     q, qd = rng.uniform(-1, 1, model.nq), rng.normal(size=model.n)
     sample = Sample(chain.model, tuple(q.tolist()), tuple(qd.tolist()), (0.0,) * model.n)
     here = chain.equations(sample)
-    q, qd_dual = dual_state(chain.model, sample.q, sample.qd, sample.qdd)
-    dual = chain.equations(Sample(chain.model, tuple(q), tuple(qd_dual), sample.qdd))
-    for ours, theirs in ((here.rate, dual.error), (here.bias, dual.rate)):
-        expected = np.array([value.rate for value in theirs], dtype=float)
+    given = {"q": q, "qd": qd}
+
+    def rates(tape, of):
+        state = {source: [tape.input(source, k) for k in range(len(array))] for source, array in given.items()}
+        motion = [*position_rates(chain.model, **state), *sample.qdd]
+        direction = dict(zip((*state["q"], *state["qd"]), motion, strict=True))
+        return along(getattr(chain.equations(chain.sample(**state)), of), direction)
+
+    for ours, of in ((here.rate, "error"), (here.bias, "rate")):
+        found = trace(lambda tape, of=of: rates(tape, of))
+        expected = np.array(found.evaluated(lambda source, k: given[source][k], float, FUNCTIONS))
         assert np.abs(np.array(ours, dtype=float) - expected).max() <= 50 * np.finfo(float).eps * np.abs(expected).max()
     assert np.abs(chain.jacobian(sample) @ qd - np.array(here.rate, dtype=float)).max() <= 1e-14 * np.abs(qd).max() * 4
 
