@@ -140,7 +140,7 @@ class CompiledBlocks:
     def _room(self, samples: int) -> tuple[Any, ...]:
         """Return views of rows for all inputs and outputs of few samples, and what the kernel is told of these."""
         memory, flags = np.zeros((self.rows, FEW), self.dtype), np.zeros(FEW, np.uint8)
-        table = memory.ctypes.data + memory.strides[0] * np.repeat(np.arange(self.rows), 2)  # no memory ahead
+        table = memory.ctypes.data + memory.strides[0] * np.arange(self.rows)
         places = c_void_p(table.ctypes.data), c_void_p(flags.ctypes.data), -(-samples // self.lanes)
         first_row = self.program.rows(self.widths)
         starts = ((source, first_row[source], self.widths[source]) for source in self.sources)
@@ -158,7 +158,7 @@ class CompiledBlocks:
         threads = max(1, min(threads, samples * self.program.size // THREAD_WORK, samples // block))
         pieces = 1 if threads == 1 else PIECES * threads
         each = -(-samples // (pieces * block)) * block
-        table = -(-2 * self.rows // LINE) * 8 * LINE
+        table = -(-self.rows // LINE) * 8 * LINE
         pitch = block * self.dtype.itemsize + 8 * LINE  # no power of two, or columns would share sets of the cache
         room = table + self.rows * pitch
         rooms = np.empty(threads * room + 8 * LINE, np.uint8)

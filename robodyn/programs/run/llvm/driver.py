@@ -8,9 +8,10 @@ from robodyn.programs.run.llvm.functions import BYTES, SUFFIXES
 
 COPIES = """\
 declare {vector} @llvm.masked.gather.v{lanes}{suffix}.v{lanes}p0({pointers}, i32, {mask}, {vector})
+declare void @llvm.prefetch.p0(ptr, i32, i32, i32)
 declare void @llvm.masked.scatter.v{lanes}{suffix}.v{lanes}p0({vector}, {pointers}, i32, {mask})
 
-define internal void @read(ptr %far, i64 %stride, ptr %near, i64 %count) #0 {{
+define internal void @read(ptr %far, i64 %stride, ptr %near, i64 %count, ptr %later) #0 {{
 entry:
   %one = insertelement {integers} poison, i64 %stride, i64 0
   %strides = shufflevector {integers} %one, {integers} poison, <{lanes} x i32> zeroinitializer
@@ -26,6 +27,8 @@ loop:
   %gathered = call {vector} @llvm.masked.gather.v{lanes}{suffix}.v{lanes}p0({pointers} %each, i32 {bytes},
     {mask} %valid, {vector} zeroinitializer)
   store {vector} %gathered, ptr %here, align {bytes}
+  %soon = getelementptr {scalar}, ptr %later, i64 %i
+  call void @llvm.prefetch.p0(ptr %soon, i32 0, i32 2, i32 1)
   %next = add i64 %i, {lanes}
   %again = icmp slt i64 %next, %count
   br i1 %again, label %loop, label %done
@@ -33,7 +36,7 @@ done:
   ret void
 }}
 
-define internal void @write(ptr %far, i64 %stride, ptr %near, i64 %count, i64 %stream) #0 {{
+define internal void @write(ptr %far, i64 %stride, ptr %near, i64 %count, i64 %stream, ptr %later) #0 {{
 entry:
   %one = insertelement {integers} poison, i64 %stride, i64 0
   %strides = shufflevector {integers} %one, {integers} poison, <{lanes} x i32> zeroinitializer
@@ -72,6 +75,8 @@ scatter:
   %each = getelementptr i8, ptr %to, {integers} %offsets
   call void @llvm.masked.scatter.v{lanes}{suffix}.v{lanes}p0({vector} %results, {pointers} %each, i32 {bytes},
     {mask} %valid)
+  %soon = getelementptr {scalar}, ptr %later, i64 %i
+  call void @llvm.prefetch.p0(ptr %soon, i32 1, i32 2, i32 1)
   br label %more
 more:
   %again = icmp slt i64 %next, %count
@@ -103,15 +108,6 @@ entry:
   %allowed = icmp ne i64 %direct, 0
   %stays = and i1 %full, %allowed
   %leave = or i1 %stays, %result
-  %far_block = mul i64 %size, %sample_stride
-  %distance = select i1 %stays, i64 {ahead}, i64 %far_block
-  %wanted = getelementptr i8, ptr %block, i64 %distance
-  %dense = icmp eq i64 %sample_stride, {bytes}
-  %in_rows = mul i64 %size, {bytes}
-  %apart = select i1 %dense, i64 %column_stride, i64 %in_rows
-  %streams = icmp ne i64 %stream, 0
-  %streaming = and i1 %streams, %result
-  %past_caches = select i1 %stays, i1 false, i1 %streaming
   %some = icmp sgt i64 %columns, 0
   br i1 %some, label %loop, label %done
 loop:
@@ -120,14 +116,10 @@ loop:
   %down = mul i64 %place, %pitch
   %near = getelementptr i8, ptr %work, i64 %down
   %chosen = select i1 %stays, ptr %column, ptr %near
-  store ptr %chosen, %entry_place[0]
-  %on = mul i64 %c, %apart
-  %later = getelementptr i8, ptr %wanted, i64 %on
-  %called = select i1 %past_caches, ptr %chosen, ptr %later
-  store ptr %called, %entry_place[1]
+  store ptr %chosen, %table[%place]
   br i1 %leave, label %more, label %copy
 copy:
-  call void @read(ptr %column, i64 %sample_stride, ptr %near, i64 %count)
+  call void @read(ptr %column, i64 %sample_stride, ptr %near, i64 %count, ptr %later)
   br label %more
 more:
   %next = add i64 %c, 1
@@ -138,7 +130,7 @@ done:
   ret i64 %end
 }}
 
-define internal void @deliver(ptr %array, i64 %row, ptr %table, i64 %start, i64 %count) #0 {{
+define internal void @deliver(ptr %array, i64 %row, ptr %table, i64 %start, i64 %count, i64 %size) #0 {{
 entry:
 {array}
 {block}
@@ -146,11 +138,11 @@ entry:
 loop:
   %c = phi i64 [ 0, %entry ], [ %next, %more ]
 {home}
-  %near = load ptr, ptr %entry_place
+  %near = load ptr, %table[%place]
   %there = icmp eq ptr %near, %column
   br i1 %there, label %more, label %copy
 copy:
-  call void @write(ptr %column, i64 %sample_stride, ptr %near, i64 %count, i64 %stream)
+  call void @write(ptr %column, i64 %sample_stride, ptr %near, i64 %count, i64 %stream, ptr %later)
   br label %more
 more:
   %next = add i64 %c, 1
@@ -197,7 +189,7 @@ ready:
   %marks = getelementptr i8, ptr %flags, i64 %byte
   %some = call i64 %kernel(ptr %table, ptr %marks, i64 %groups)
   %total = or i64 %any, %some
-  call void @deliver(ptr %result, i64 %row, ptr %table, i64 %start, i64 %filled)
+  call void @deliver(ptr %result, i64 %row, ptr %table, i64 %start, i64 %filled, i64 %size)
   %end = add i64 %start, %filled
   %again = icmp slt i64 %end, %until
   br i1 %again, label %block, label %done
@@ -211,8 +203,12 @@ attributes #0 = {{ nounwind "prefer-vector-width"="512" "min-legal-vector-width"
 
 BLOCK = """\
   %skip = mul i64 %start, %sample_stride
-  %block = getelementptr i8, ptr %address, i64 %skip"""
-"""Where the block that begins with sample `%start` lies in an array."""
+  %block = getelementptr i8, ptr %address, i64 %skip
+  %in_block = mul i64 %size, %sample_stride
+  %next_block = getelementptr i8, ptr %block, i64 %in_block
+  %share = mul i64 %size, {bytes}"""
+"""Where the block that begins with sample `%start` lies in an array, and the next; and how much of that is called for
+with each column."""
 
 HOME = """\
   %home = load i64, %homes[%c]
@@ -220,9 +216,10 @@ HOME = """\
   br i1 %wanted_here, label %here, label %more
 here:
   %place = add i64 %row, %home
-  %entry_place = getelementptr [2 x ptr], ptr %table, i64 %place
   %far = mul i64 %c, %column_stride
-  %column = getelementptr i8, ptr %block, i64 %far"""
+  %column = getelementptr i8, ptr %block, i64 %far
+  %shared = mul i64 %c, %share
+  %later = getelementptr i8, ptr %next_block, i64 %shared"""
 """Column `%c` of a block, and where the table says at what address the kernel works on it."""
 
 
@@ -236,8 +233,6 @@ the caches.
 POINTERS = ("kernel", "arrays", "rooms", "flags", "address", "homes")
 JOB = ("kernel", "arrays", "rooms", "flags", "count", "room_bytes", "table_bytes", "pitch", "size")
 """What a job is, in 64 bits each, in this order."""
-AHEAD = 256
-"""Bytes from the numbers in use to those called for, where columns are read as they lie."""
 
 
 def driver(scalar: str, lanes: int) -> str:
@@ -247,15 +242,14 @@ def driver(scalar: str, lanes: int) -> str:
     `size`, a multiple of 16, as `first` is one of `size`. Of the `count` arrays (`FIELDS`), the last is the result.
     Columns are handed to the kernel where they lie if they are contiguous and the block is a whole number of groups, as
     all are but a last one of fewer samples than a group; else they are gathered into rows of the thread's own room,
-    `pitch` bytes apart after a table of `table_bytes`, and results are scattered from there. What the kernel calls for
-    is `AHEAD` in the same column, or for arrays that are gathered a part of the next block. A result that several
-    columns share is computed once, and copied. `scalar` is "double" or "float"; a group has `lanes` samples.
+    `pitch` bytes apart after a table of `table_bytes`, and results are scattered from there; with each column a part of
+    the next block is called for, as rows of a block lie together. A result that several columns share is computed once,
+    and copied. `scalar` is "double" or "float"; a group has `lanes` samples.
     """
     names = {
         "scalar": scalar,
         "suffix": SUFFIXES[scalar],
         "bytes": BYTES[scalar],
-        "ahead": AHEAD,
         "vector_bytes": lanes * BYTES[scalar],
         "lanes": lanes,
         "lanes_less_one": lanes - 1,
@@ -267,8 +261,8 @@ def driver(scalar: str, lanes: int) -> str:
         "mask": f"<{lanes} x i1>",
         "numbers": f"<{', '.join(f'i64 {k}' for k in range(lanes))}>",
     }
-    array, job = _loaded("array", FIELDS), _loaded("job", JOB)
-    return (COPIES + TEXT).format(**names, array=array, job=job, block=BLOCK, home=HOME, valid=VALID.format(**names))
+    texts = {"array": _loaded("array", FIELDS), "job": _loaded("job", JOB), "home": HOME}
+    return (COPIES + TEXT).format(**names, **texts, block=BLOCK.format(**names), valid=VALID.format(**names))
 
 
 def _loaded(struct: str, fields: Sequence[str]) -> str:

@@ -68,6 +68,8 @@ GROUPS = 32
 """Groups that a part works on before the next part begins, if what they keep for later parts is not too much."""
 KEPT = 1 << 17
 """Bytes that they may keep, which stay in a core's own caches."""
+AHEAD = 256
+"""Bytes from the numbers in use to those of the same column that are called for."""
 LEVEL = 2
 """How near memory is brought, from 3 for the first cache down: what comes ahead would displace what is in use."""
 ANGLE = 20
@@ -124,10 +126,9 @@ def kernel(
     """Return the LLVM IR of `i64 kernel(rows, flags, groups)`.
 
     `rows` points to an array of pointers: to the columns of the inputs, then to those of the outputs, each a column of
-    `groups * lanes` numbers. No output may overlap an input. If the kernel calls for memory, every pointer is followed
-    by another, to a column of as many numbers that will be wanted next; it need not exist. Bit k of the flags of group
-    i, of 8 bits or as many as there are lanes, is set where an angle of its sample k is too large to be reduced
-    accurately, or is not finite; the function returns 0 where no flag is set.
+    `groups * lanes` numbers. No output may overlap an input. Bit k of the flags of group i, of 8 bits or as many as
+    there are lanes, is set where an angle of its sample k is too large to be reduced accurately, or is not finite; the
+    function returns 0 where no flag is set.
 
     A long program is cut into parts where few values are alive. Each works on some groups before the next begins, so
     that its instructions stay decoded; what later parts read of a group is kept in memory.
@@ -135,7 +136,7 @@ def kernel(
     Args:
         first_row: where in `rows` the columns of each source begin, and under "" those of the outputs.
         lanes: samples in a group, a power of two up to 16.
-        calls: for the memory that will be wanted next, a line of the cache for every vector that is moved.
+        calls: for the numbers of a column that will be wanted soon, also beyond its end, which need not exist.
         pooled: constants are whole vectors in memory, which instructions take as operands.
     """
     writer = _Parts(program, first_row, Code(scalar, lanes, pooled), fused_products(program), calls)
@@ -198,18 +199,14 @@ class Writer:
         self.code.lines[self.begin :] = spread(self.code.lines[self.begin :])
 
     def _address(self, row: int, writes: int) -> str:
-        """Return where a column's numbers of this group lie; those that will be wanted are called for."""
-        if not self.calls:
-            return self._place(row)
-        ahead = self._place(2 * row + 1)
-        self.code.do(f"call void @llvm.prefetch.p0(ptr {ahead}, i32 {writes}, i32 {LEVEL}, i32 1)")
-        return self._place(2 * row)
-
-    def _place(self, entry: int) -> str:
-        """Return where this group's numbers lie in the column of an entry of `rows`."""
-        place = self._further("%rows", 8 * entry)
+        """Return where a column's numbers of this group lie; those of later groups are called for."""
+        place = self._further("%rows", 8 * row)
         column = self.code.new(f"load ptr, ptr {place}, align 8, !invariant.load !0")
-        return self.code.new(f"getelementptr {self.code.scalar}, ptr {column}, i64 {self.offset}")
+        here = self.code.new(f"getelementptr {self.code.scalar}, ptr {column}, i64 {self.offset}")
+        if self.calls:
+            ahead = self._further(here, AHEAD)
+            self.code.do(f"call void @llvm.prefetch.p0(ptr {ahead}, i32 {writes}, i32 {LEVEL}, i32 1)")
+        return here
 
     def _further(self, base: str, distance: int) -> str:
         """Return an address some bytes further. LLVM, where it simplifies a single one, merges all basic blocks."""
