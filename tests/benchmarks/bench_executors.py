@@ -15,7 +15,7 @@ import os
 from functools import partial
 
 import numpy as np
-from benchmarks.limit import limit
+from benchmarks.limit import alone, limit
 from benchmarks.pinocchio_runs import ROBOTS, described, in_parallel, joints, nanoseconds, random_sources
 from benchmarks.timing import repeated, taking_turns
 from helpers.machine import machine
@@ -75,9 +75,9 @@ def builds(name: str) -> tuple[float, float, float | None]:
     return repeated(Plan(*described(name)).torques), anew, None if kept is None else repeated(ready)
 
 
-def runs(name: str, samples: int, forward: bool) -> tuple[dict[str, float], dict[str, float], float]:
-    """Time per sample of every way, the limit of each kind of code, and the largest difference from Pinocchio's
-    results, of the largest of them."""
+def runs(name: str, samples: int, forward: bool) -> tuple[dict[str, float], dict[str, tuple[float, float]], float]:
+    """Time per sample of every way; of each kind of code the limit, and the time of the kernel alone; and the largest
+    difference from Pinocchio's results, of the largest of them."""
     model, scene = described(name)
     sources = random_sources(model, scene, samples)
     runner = (acceleration_runner if forward else torque_runner)(model, scene)
@@ -97,7 +97,7 @@ def runs(name: str, samples: int, forward: bool) -> tuple[dict[str, float], dict
     }
     times = {way: time / samples for way, time in taking_turns(ways).items()}
     first(columns, samples, out)
-    limits = {title: limit(runner.program, each.lanes) for title, each in code.items()}
+    limits = {title: (limit(runner.program, each.lanes), alone(each)) for title, each in code.items()}
     return times, limits, worst(out, found())
 
 
@@ -112,14 +112,14 @@ def row(name: str, samples: int, forward: bool) -> tuple[str, ...]:
         *("-" if time is None else f"{1e3 * time:.1f} ms" for time in built),
         *(nanoseconds(time) for time in times.values()),
         *(f"{times['Pinocchio'] / times[title]:.1f}" for title in limits),
-        *(f"{bound / times[title]:.0%}" for title, bound in limits.items()),
+        *(f"{bound / times[title]:.0%}, {bound / kernel:.0%}" for title, (bound, kernel) in limits.items()),
         "-" if shared else f"{off:.0e}",
     )
 
 
 def report(samples: int, forward: int) -> str:
     titles = [*kinds()]
-    ends = (*(f"ratio, {x}" for x in titles), *(f"of the limit, {x}" for x in titles), "agreement")
+    ends = (*(f"ratio, {x}" for x in titles), *(f"of the limit, all and kernel, {x}" for x in titles), "agreement")
     head = (*HEAD, *(() if forward else BUILDS), "NumPy", *titles, "row-major", "2 threads", "Pinocchio", *ends)
     names = [name for name in ROBOTS if not forward or name != "Romeo"]
     return table(head, [row(name, samples, bool(forward)) for name in names]) + "\n" + machine("pin", "llvmlite")

@@ -80,9 +80,9 @@ class Tables:
                 found = self.by[robot, algorithm, title, "block"]
                 median = found["seconds"]["median"]
                 row += [time_text(median), "-" if peer is None else f"{peer['seconds']['median'] / median:.1f}"]
-                row.append(f"{found['limit'] / median:.0%}" if "limit" in found else "-")
+                row.append(f"{found['limit'] / median:.0%}")
             rows.append([f"{robot}, {algorithm}", str(found["operations"]), *row])
-        note = "Ratio: Pinocchio's time over ours. Limit: the least time of the arithmetic; - where it is not counted."
+        note = "Ratio: Pinocchio's time over ours. Limit: the least time of the arithmetic."
         return [doc.Table("robodyn's machine code, in blocks", head, rows, note)] if self.ours else []
 
     def published(self) -> doc.Table:

@@ -1,18 +1,22 @@
-"""The least time that the arithmetic of a program can take here: its instructions over what a core does in a second."""
+"""The least time that the arithmetic of a program can take here, its instructions over what a core does in a second;
+and what its kernel takes alone."""
 
 from __future__ import annotations
 
 import re
-from ctypes import c_int64
-from functools import cache
+from ctypes import CFUNCTYPE, c_int64, c_void_p
+from functools import cache, partial
 
-from benchmarks.timing import repeated
+import numpy as np
+from benchmarks.timing import repeated, taking_turns
 
 from robodyn.programs.program import Program
+from robodyn.programs.run.compiled_blocks import CompiledBlocks
 from robodyn.programs.run.llvm.kernel import kernel
 from robodyn.programs.run.llvm.machine import Function, machine_code
 
 ARITHMETIC = re.compile(r" = (fadd|fsub|fmul|fdiv|call <\d+ x double> @llvm\.(fma|sqrt))")
+SAMPLES = 256
 CHAINS, ROUNDS = 12, 1_000_000
 """Independent multiply-adds: enough to hide what each waits for, few enough for sixteen registers; repetitions."""
 
@@ -24,6 +28,19 @@ def limit(program: Program, lanes: int) -> float:
     widths = dict.fromkeys((source for source, _ in program.inputs), len(program.inputs))
     rows = program.rows(widths)
     return len(ARITHMETIC.findall(kernel(program.distinct, rows, "double", lanes))) * _multiply_add(lanes) / lanes
+
+
+def alone(code: CompiledBlocks) -> float:
+    """Return the seconds of a state by the kernel alone, on numbers in whole lines of the caches near a core."""
+    pitch = SAMPLES + 8
+    numbers = np.random.default_rng(0).uniform(-2.0, 2.0, code.rows * pitch + 8)
+    table = numbers.ctypes.data + -numbers.ctypes.data % 64 + 8 * pitch * np.arange(code.rows)
+    flags = np.zeros(SAMPLES, np.uint8)
+    run = CFUNCTYPE(c_int64, c_void_p, c_void_p, c_int64)(code.kernel.address)
+    half, whole = SAMPLES // 2, SAMPLES
+    acts = {n: partial(run, table.ctypes.data, flags.ctypes.data, n // code.lanes) for n in (half, whole)}
+    times = taking_turns(acts)
+    return (times[whole] - times[half]) / (whole - half)
 
 
 @cache
