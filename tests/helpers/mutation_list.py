@@ -141,6 +141,7 @@ PIECES = {
     ],
     ("programs/run/test_compiled_blocks.py", "programs/run/llvm/driver.py"): [
         ("%end = add i64 %start, %filled", "%end = add i64 %start, %size"),
+        ("%skip = mul i64 %start, %sample_stride", "%skip = mul i64 %start, {bytes}"),
         ("%byte = udiv i64 %start, {samples_per_byte}", "%byte = udiv i64 %start, 16"),
         ("or i64 %any, %some", "or i64 %any, 0"),
     ],
@@ -185,9 +186,6 @@ PIECES = {
         ("op is MUL and k not in outputs", "op is MUL"),
         ("k not in taken", "True"),
         ("len(users[k])", "-len(users[k])"),
-    ],
-    ("programs/run/test_fusion.py", "programs/run/llvm/driver.py"): [
-        ("%skip = mul i64 %start, %sample_stride", "%skip = mul i64 %start, {bytes}")
     ],
     ("programs/run/test_numpy_blocks.py", "programs/run/numpy_blocks.py"): [
         ("where[arg] >= temporary", "True"),
