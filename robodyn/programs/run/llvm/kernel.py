@@ -57,7 +57,7 @@ ONE: dict[str, Callable[[Code, str], str]] = {
     SIGN: sign,
 }
 
-BLOCK = 1000
+BLOCK = 800
 """Instructions in a basic block: in longer ones LLVM's time and the values that it puts by grow faster than length."""
 LATENCY = 4
 """Cycles from the begin of an arithmetic instruction to its result."""
@@ -347,7 +347,9 @@ class _Parts(Writer):
         for k, (op, a, b) in reversed([*enumerate(self.program.operations)]):
             if op is not INPUT and op is not CONSTANT:
                 until = last[k] if k in self.products else k
-                last.update((x, max(until, last.get(x, 0))) for x in (a, b) if x is not None)
+                for x in (a,) if b is None else (a, b):
+                    if last.get(x, 0) < until:
+                        last[x] = until
         return {x: k for x, k in last.items() if x not in self.products and kinds[x] not in (INPUT, CONSTANT)}
 
     def _starts(self) -> list[int]:
