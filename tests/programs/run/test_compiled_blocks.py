@@ -297,20 +297,28 @@ def placed(samples, columns, order):
         yield np.frombuffer(memory, np.float64, samples * columns, first).reshape((samples, columns), order=order)
 
 compiled_blocks.MOST_STREAMS, compiled_blocks.MOST_KEPT = WAY
-run = CompiledBlocks(trace(lambda t: [sin(t.input("x", 0)) * t.input("x", 1), t.input("x", 0)]), {"x": 2})
-for samples in (1, 9, 131):
+
+def outputs(t):
+    "The first and the last share a result."
+    y = sin(t.input("x", 0)) * t.input("x", 1)
+    return [y, t.input("x", 0), y]
+
+run = CompiledBlocks(trace(outputs), {"x": 2})
+for samples in (1, 9, 131, 4097):
     for order in "CF":
         for x in placed(samples, 2, order):
             x[...] = np.arange(2 * samples).reshape(samples, 2)
-            for out in placed(samples, 2, order):
-                run({"x": x}, samples, out, 2)
-                assert (out[:, 1] == x[:, 0]).all()
+            for out in placed(samples, 3, order):
+                for each in (out, out[:, ::-1]):
+                    run({"x": x}, samples, each, 2)
+                    assert (each[:, 1] == x[:, 0]).all()
+                    assert (each[:, 0] == each[:, 2]).all()
 print("unharmed")
 """
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="needs mprotect")
-@pytest.mark.parametrize("limits", ["64, 1 << 22", "0, -1"])
+@pytest.mark.parametrize("limits", ["64, 1 << 22", "0, -1", "64, -1"])
 def test_nothing_beside_the_arrays_is_touched(limits):
     assert python(GUARDED.replace("WAY", limits)).stdout == "unharmed\n"
 

@@ -9,6 +9,7 @@ from robodyn.programs.run.llvm.functions import BYTES, SUFFIXES
 COPIES = """\
 declare {vector} @llvm.masked.gather.v{lanes}{suffix}.v{lanes}p0({pointers}, i32, {mask}, {vector})
 declare void @llvm.prefetch.p0(ptr, i32, i32, i32)
+declare {vector} @llvm.masked.load.v{lanes}{suffix}.p0(ptr, i32, {mask}, {vector})
 declare void @llvm.masked.scatter.v{lanes}{suffix}.v{lanes}p0({vector}, {pointers}, i32, {mask})
 
 define internal void @read(ptr %far, i64 %stride, ptr %near, i64 %count, ptr %later) #0 {{
@@ -55,7 +56,6 @@ loop:
   %first = mul i64 %i, %stride
   %to = getelementptr i8, ptr %far, i64 %first
   %here = getelementptr {scalar}, ptr %near, i64 %i
-  %results = load {vector}, ptr %here, align {bytes}
   %next = add i64 %i, {lanes}
   %begun = icmp sge i64 %i, 0
   %inside = icmp sle i64 %next, %count
@@ -63,6 +63,7 @@ loop:
   %plain = and i1 %whole, %dense
   br i1 %plain, label %plain_out, label %scatter
 plain_out:
+  %results = load {vector}, ptr %here, align {bytes}
   br i1 %streaming, label %stream_out, label %keep
 keep:
   store {vector} %results, ptr %to, align {bytes}
@@ -73,7 +74,9 @@ stream_out:
 scatter:
 {valid}
   %each = getelementptr i8, ptr %to, {integers} %offsets
-  call void @llvm.masked.scatter.v{lanes}{suffix}.v{lanes}p0({vector} %results, {pointers} %each, i32 {bytes},
+  %some = call {vector} @llvm.masked.load.v{lanes}{suffix}.p0(ptr %here, i32 {bytes}, {mask} %valid,
+    {vector} zeroinitializer)
+  call void @llvm.masked.scatter.v{lanes}{suffix}.v{lanes}p0({vector} %some, {pointers} %each, i32 {bytes},
     {mask} %valid)
   %soon = getelementptr {scalar}, ptr %later, i64 %i
   call void @llvm.prefetch.p0(ptr %soon, i32 1, i32 2, i32 1)
