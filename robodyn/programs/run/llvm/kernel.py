@@ -57,8 +57,9 @@ ONE: dict[str, Callable[[Code, str], str]] = {
     SIGN: sign,
 }
 
-BLOCK = 800
-"""Instructions in a basic block: in longer ones LLVM's time and the values that it puts by grow faster than length."""
+BLOCK = {True: 800, False: 500}
+"""Instructions in a basic block, with pooled constants and without: in longer ones LLVM's time and the values that it
+puts by grow faster than length, its time more so where there are more registers."""
 LATENCY = 4
 """Cycles from the begin of an arithmetic instruction to its result."""
 REGISTER = re.compile(r"%v\d+")
@@ -189,7 +190,7 @@ class Writer:
 
     def _divide(self) -> None:
         """Begin a basic block where the last one is long enough."""
-        if len(self.code.lines) - self.begin > BLOCK:
+        if len(self.code.lines) - self.begin > BLOCK[self.code.pooled]:
             self._spread()
             self.blocks += 1
             self.code.lines.append(f"  br label %block{self.blocks}\nblock{self.blocks}:")
